@@ -1,7 +1,8 @@
 //! Cameras and lights moved by hand.
 
 use glam::{Quat, Vec3};
-use lab::scene::{Camera, Light, Mesh};
+use lab::scene::{Camera, Light};
+use subpixel_shadows::methods::Prepared;
 
 /// Extent of a scene, which moves are measured by.
 #[derive(Clone, Copy, Debug)]
@@ -12,8 +13,8 @@ pub struct Extent {
 
 impl Extent {
     /// That of a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
-        let (low, high) = mesh.bounds().unwrap_or_default();
+    pub fn of(mesh: &Prepared) -> Self {
+        let [low, high] = mesh.bounds().unwrap_or_default();
         Self { centre: ((low + high) * 0.5).as_vec3(), radius: ((high - low).length() * 0.5).max(1e-30) as f32 }
     }
 }
@@ -102,7 +103,7 @@ mod tests {
 
     fn scene() -> (Camera, Light, Extent) {
         let scene = Scene::open("spheres", &Default::default()).unwrap();
-        (scene.camera, scene.light, Extent::of(&scene.mesh))
+        (scene.camera, scene.light, Extent::of(&scene.prepared().unwrap()))
     }
 
     fn distance(camera: &Camera) -> f32 {

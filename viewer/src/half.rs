@@ -1,17 +1,17 @@
 //! A half of the picture: one method's pass, made in the background, and the last of its frames that was complete.
 
-use crate::job::Job;
+use crate::making::{Making, Wanted};
 use crate::picture::{Shown, counts, extent, visibility};
 use lab::options::PartitionBy;
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
-use subpixel_shadows::methods::{Prepared, Settings};
-use subpixel_shadows::pass::{Casters, FrameStatus, Inputs, PassConfig, Target};
+use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::pass::{FrameStatus, Inputs, Target};
 use subpixel_shadows::scene::AreaLight;
-use subpixel_shadows::{Result, ShadowPass, wgpu};
+use subpixel_shadows::{ShadowPass, wgpu};
 
 /// Device, queue and pipelines of all frames.
 #[derive(Clone, Debug)]
@@ -22,17 +22,23 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Pipelines that all passes share.
     pub programs: KeptPrograms,
+    /// The window.
+    pub context: egui::Context,
 }
 
-/// How many pipelines of a pass are compiled, and of how many.
-#[derive(Debug, Default)]
-struct Compiled {
-    done: AtomicUsize,
-    of: AtomicUsize,
+impl Gpu {
+    /// Wakes a page when all that was submitted is done; a window looks by itself.
+    fn wake_when_done(&self) {
+        if cfg!(target_family = "wasm") {
+            let context = self.context.clone();
+            // What is read back is there a moment later.
+            self.queue.on_submitted_work_done(move || context.request_repaint_after(Duration::from_millis(8)));
+        }
+    }
 }
 
 enum Pass {
-    Making(Job<Result<ShadowPass>>, Arc<Compiled>),
+    Making(Box<Making>),
     Made(Box<ShadowPass>),
     Refused,
 }
@@ -68,14 +74,7 @@ const TRIES: u32 = 10;
 
 impl Half {
     /// Begins to make a pass of the options' method for pictures of `size` pixels; `counted`: which counts their pixels.
-    pub fn new(
-        gpu: &Gpu,
-        prepared: &Arc<Prepared>,
-        options: &RenderOptions,
-        size: [u32; 2],
-        counted: bool,
-        context: &egui::Context,
-    ) -> Self {
+    pub fn new(gpu: &Gpu, prepared: &Arc<Prepared>, options: &RenderOptions, size: [u32; 2], counted: bool) -> Self {
         let counts = counted.then(|| [counts(&gpu.device, size), counts(&gpu.device, size)]);
         let options = RenderOptions { size, ..options.clone() };
         let area = (options.light_radius, options.light_points);
@@ -84,27 +83,11 @@ impl Half {
         // The first tells the depths by which the next is cut.
         let sees = options.method.takes("partition") && options.partition == PartitionBy::SeenDepths;
         let frames = if sees { frames.max(2) } else { frames };
-        let compiled = Arc::new(Compiled::default());
-        let (of_gpu, prepared, told) = (gpu.clone(), prepared.clone(), compiled.clone());
-        let made = Job::new(context, move || {
-            let programs = of_gpu.programs.clone().telling(move |done, of| {
-                told.done.store(done, Ordering::Relaxed);
-                told.of.store(of, Ordering::Relaxed);
-            });
-            let settings = Settings { settle: !options.force_all, count_pixels: counted, ..options.settings()? };
-            let config = PassConfig {
-                method: options.method,
-                budget: options.budget(),
-                timing: true,
-                prove: !options.force_all,
-                programs: Some(&programs),
-                ..PassConfig::new(settings, Casters::Prepared(&prepared))
-            };
-            ShadowPass::new(&of_gpu.device, &of_gpu.queue, &config)
-        });
+        let wanted = Wanted { options, counted, prepared: prepared.clone() };
+        let making = Making::new(gpu, wanted);
         let (work, shown) = (visibility(&gpu.device, size), visibility(&gpu.device, size));
         Self {
-            pass: Pass::Making(made, compiled),
+            pass: Pass::Making(Box::new(making)),
             work,
             shown,
             counts,
@@ -123,15 +106,20 @@ impl Half {
     /// Pipelines that are compiled, and of how many, while the pass is made.
     pub fn progress(&self) -> Option<[usize; 2]> {
         match &self.pass {
-            Pass::Making(_, compiled) => Some([&compiled.done, &compiled.of].map(|n| n.load(Ordering::Relaxed))),
+            Pass::Making(making) => Some(making.progress()),
             _ => None,
         }
     }
 
-    /// Takes over the pass if it is made; whether frames can be recorded.
-    pub fn is_made(&mut self) -> bool {
-        if let Pass::Making(made, _) = &self.pass {
-            match made.take() {
+    /// The pass, if it is made.
+    pub fn pass(&self) -> Option<&ShadowPass> {
+        if let Pass::Made(pass) = &self.pass { Some(pass) } else { None }
+    }
+
+    /// Takes over the pass if it is made, on a page beside one that is there already; whether frames can be recorded.
+    pub fn is_made(&mut self, beside: Option<&ShadowPass>) -> bool {
+        if let Pass::Making(making) = &mut self.pass {
+            match making.take(beside) {
                 Some(Ok(pass)) => self.pass = Pass::Made(Box::new(pass)),
                 Some(Err(error)) => {
                     self.pass = Pass::Refused;
@@ -171,6 +159,7 @@ impl Half {
         match recorded {
             Ok(frames) => {
                 gpu.queue.submit([encoder.finish()]);
+                gpu.wake_when_done();
                 (self.waits_for, self.lacks) = (Some(frames), false);
                 self.error = None;
             }

@@ -1,4 +1,4 @@
-//! Work beside the window.
+//! Something that is being made beside the window.
 
 use std::sync::mpsc::{Receiver, channel};
 
@@ -6,21 +6,32 @@ use std::sync::mpsc::{Receiver, channel};
 #[derive(Debug)]
 pub struct Job<T>(Receiver<T>);
 
-impl<T: Send + 'static> Job<T> {
-    /// Begins `work` on a thread of its own, or in a browser, which has none, at once; the window wakes up when it is done.
-    pub fn new(context: &egui::Context, work: impl FnOnce() -> T + Send + 'static) -> Self {
+impl<T: 'static> Job<T> {
+    /// Begins `work` on a thread of its own; the window wakes up when it is done.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn new(context: &egui::Context, work: impl FnOnce() -> T + Send + 'static) -> Self
+    where
+        T: Send,
+    {
         let (send, made) = channel();
         let context = context.clone();
-        let work = move || {
+        std::thread::spawn(move || {
             // Nobody hears it where the job was dropped meanwhile.
             let _ = send.send(work());
             context.request_repaint();
-        };
-        if cfg!(target_family = "wasm") {
-            work();
-        } else {
-            std::thread::spawn(work);
-        }
+        });
+        Self(made)
+    }
+
+    /// The same of something that a page waits for.
+    #[cfg(target_family = "wasm")]
+    pub fn of(context: &egui::Context, work: impl Future<Output = T> + 'static) -> Self {
+        let (send, made) = channel();
+        let context = context.clone();
+        wasm_bindgen_futures::spawn_local(async move {
+            let _ = send.send(work.await);
+            context.request_repaint();
+        });
         Self(made)
     }
 

@@ -1,5 +1,6 @@
 //! One resolution: two halves that show the same moment, and the picture of both.
 
+use crate::beside::{Rays, TracedView};
 use crate::half::{Gpu, Half};
 use crate::overlay::Overlay;
 use crate::picture::{DrawnMesh, Picture, Shader, Shot, Shown};
@@ -7,9 +8,8 @@ use crate::truth::Tracing;
 use crate::view::{Against, View};
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light};
-use oracle::truth::Tracer;
 use std::sync::Arc;
-use subpixel_shadows::Result;
+use subpixel_shadows::ShadowPass;
 use subpixel_shadows::methods::Prepared;
 
 /// Camera and light of a frame.
@@ -48,13 +48,13 @@ pub struct Level {
 
 impl Level {
     /// Begins to make the passes for pictures of `size` pixels.
-    pub fn new(gpu: &Gpu, prepared: &Arc<Prepared>, view: &View, size: [u32; 2], context: &egui::Context) -> Self {
+    pub fn new(gpu: &Gpu, prepared: &Arc<Prepared>, view: &View, size: [u32; 2]) -> Self {
         let half = |options: &RenderOptions| {
             let counted = view.overlay.counted().is_some() && Overlay::Classes.is_of(options.method);
             // Pictures show counts by one binding.
             let fits =
                 gpu.device.limits().max_storage_buffer_binding_size >= u64::from(size[0]) * u64::from(size[1]) * 16;
-            Half::new(gpu, prepared, options, size, counted && fits, context)
+            Half::new(gpu, prepared, options, size, counted && fits)
         };
         let mut halves = vec![half(&view.left)];
         if let Against::Method(options) = &view.right {
@@ -100,9 +100,28 @@ impl Level {
         self.running.is_some() || self.halves.iter().any(|half| half.progress().is_some())
     }
 
-    /// Goes on with what runs, and begins `wanted` where nothing does; `now` is in seconds. Whether something new can be drawn.
-    pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64) -> bool {
-        let unmade = self.halves.iter_mut().filter_map(|half| (!half.is_made()).then_some(())).count();
+    /// A pass of it that is made.
+    pub fn pass(&self) -> Option<&ShadowPass> {
+        self.halves.iter().find_map(Half::pass)
+    }
+
+    /// Goes on with what runs, and begins `wanted` where nothing does; `now` is in seconds; `beside`: a pass whose casters are those of these, too.
+    /// Whether something new can be drawn.
+    pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64, beside: Option<&ShadowPass>) -> bool {
+        let (mut made, mut beside) = (true, beside);
+        for half in &mut self.halves {
+            let before = half.pass().is_some();
+            made &= half.is_made(beside);
+            // A page makes one pass after the other, so that pipelines of both are made once, and draws itself in between.
+            if cfg!(target_family = "wasm") && half.pass().is_some() != before {
+                gpu.context.request_repaint();
+                return false;
+            }
+            if cfg!(target_family = "wasm") && half.progress().is_some() {
+                break;
+            }
+            beside = beside.or(half.pass());
+        }
         if let Some((moment, since)) = self.running {
             let Moment { camera, light } = moment;
             let run = |half: &mut Half| (!half.is_done(gpu, &camera, &light)).then_some(());
@@ -125,7 +144,7 @@ impl Level {
         }
         let failed = self.halves.iter().any(|half| half.error.is_some());
         let ran = if self.tried == Some(*wanted) { self.ran } else { 0 };
-        if unmade == 0 && (ran == 0 || ran < self.frames() && !failed) {
+        if made && (ran == 0 || ran < self.frames() && !failed) {
             let more = self.halves.iter_mut().filter(|half| ran < half.frames);
             more.for_each(|half| half.begin(gpu, &wanted.camera, &wanted.light));
             self.running = Some((*wanted, now));
@@ -138,21 +157,20 @@ impl Level {
         self.tracing = tracing.filter(|tracing| tracing.size() == self.picture.size);
     }
 
-    /// Traces some pixels of what is shown. Whether there is something new to draw.
+    /// Has what is shown traced beside the window. Whether there is something new to draw.
     ///
     /// # Errors
-    /// As [`Tracing::advance`].
-    pub fn trace(&mut self, gpu: &Gpu, tracer: &Arc<Tracer>, late: impl Fn() -> bool) -> Result<bool> {
+    /// One line: why nothing can be traced.
+    pub fn trace(&mut self, gpu: &Gpu, rays: &Rays) -> Result<bool, String> {
         let Some(Moment { camera, light }) = self.shown else { return Ok(false) };
-        let size = self.picture.size;
-        let points = self.left.points(&light, self.prepared.mesh())?;
-        if !self.tracing.as_ref().is_some_and(|tracing| tracing.is_of(&camera, &points, size)) {
-            let tracing = Tracing::new((&gpu.device, &gpu.queue), tracer.clone(), (camera, points), size);
-            self.tracing = Some(tracing);
+        let points = self.left.points(&light, self.prepared.mesh()).map_err(|e| e.to_string())?;
+        let view = TracedView { camera, points, size: self.picture.size };
+        if !self.tracing.as_ref().is_some_and(|tracing| tracing.is_of(&view)) {
+            self.tracing = Some(Tracing::new((&gpu.device, &gpu.queue), rays.clone(), view));
         }
         let known = std::mem::replace(&mut self.traced, self.shown) == self.shown;
         match &mut self.tracing {
-            Some(tracing) => Ok(tracing.advance(&gpu.queue, late)? || !known),
+            Some(tracing) => Ok(tracing.advance(&gpu.queue, &gpu.context)? || !known),
             None => Ok(false),
         }
     }
@@ -161,7 +179,14 @@ impl Level {
     ///
     /// # Errors
     /// As [`Picture::draw`].
-    pub fn draw<'a>(&'a self, gpu: &Gpu, shader: &Shader, mesh: &DrawnMesh, view: &View, shot: &Shot) -> Result<()> {
+    pub fn draw<'a>(
+        &'a self,
+        gpu: &Gpu,
+        shader: &Shader,
+        mesh: &DrawnMesh,
+        view: &View,
+        shot: &Shot,
+    ) -> subpixel_shadows::Result<()> {
         let of = |options: &RenderOptions, half: &'a Half| {
             let shown = half.as_shown();
             Shown { counts: shown.counts.filter(|_| shot.overlay.is_of(options.method)), ..shown }

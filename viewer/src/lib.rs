@@ -16,10 +16,12 @@
     )
 )]
 
+pub mod beside;
 pub mod control;
 pub mod half;
 pub mod job;
 pub mod level;
+pub mod making;
 pub mod overlay;
 mod panel;
 pub mod picture;

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3};
 use lab::scene::{Camera, Light};
 use subpixel_shadows::Result;
 use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::methods::prepared::CasterBuffers;
+use subpixel_shadows::methods::prepared::surfaces;
 use subpixel_shadows::pass::DepthTerms;
 use subpixel_shadows::stages::pixel_counts::PixelCounts;
 use subpixel_shadows::wgpu;
@@ -214,9 +214,9 @@ impl DrawnMesh {
     /// Uploads a mesh, with the holes of its triangles.
     ///
     /// # Errors
-    /// As [`Prepared::upload`].
+    /// As [`surfaces`].
     pub fn new((device, queue): (&wgpu::Device, &wgpu::Queue), shader: &Shader, prepared: &Prepared) -> Result<Self> {
-        let CasterBuffers { positions, triangles, .. } = prepared.upload(device, queue)?;
+        let (positions, triangles) = surfaces(device, queue, prepared, 0)?;
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("viewer.view"),
             size: size_of::<Uniform>() as u64,

@@ -1,91 +1,77 @@
-//! Traced truth, in slices between the frames of the window.
+//! Traced truth, a run of pixels at a time.
 
+use crate::beside::{Rays, Traced, TracedView};
+use crate::job::Job;
 use crate::picture::{extent, visibility};
-use lab::scene::{Camera, Light, Scene};
-use oracle::truth::{SceneTruth, Tracer};
-use rayon::prelude::*;
-use std::sync::Arc;
-use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::{Result, wgpu};
-
-/// Pixels that are traced before the clock is looked at: a page has one thread, and must stay alive.
-const RUN: u32 = if cfg!(target_family = "wasm") { 2 } else { 32 };
+use subpixel_shadows::wgpu;
 
 /// Visibility by 1024 rays a pixel to each point of the light, from the top.
 pub struct Tracing {
-    tracer: Arc<Tracer>,
-    camera: Camera,
-    points: Vec<Light>,
-    size: [u32; 2],
+    rays: Rays,
+    view: TracedView,
     done: u32,
+    runs: Option<Job<Traced>>,
     /// Visibility of the pixels that are traced, below 0 elsewhere.
     pub shown: wgpu::Texture,
 }
 
-/// The tracer of a scene.
-///
-/// # Errors
-/// As [`Tracer::new`].
-pub fn tracer(scene: &Scene) -> Result<Arc<Tracer>> {
-    Tracer::with_alpha(&scene.mesh, &scene.alpha).map(Arc::new)
-}
-
 impl Tracing {
     /// Begins with no pixel.
-    pub fn new(
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
-        tracer: Arc<Tracer>,
-        (camera, points): (Camera, Vec<Light>),
-        size: [u32; 2],
-    ) -> Self {
-        let tracing = Self { tracer, camera, points, size, done: 0, shown: visibility(device, size) };
+    pub fn new((device, queue): (&wgpu::Device, &wgpu::Queue), rays: Rays, view: TracedView) -> Self {
+        let size = view.size;
+        let tracing = Self { rays, view, done: 0, runs: None, shown: visibility(device, size) };
         let [width, height] = size;
         tracing.write(queue, [0; 2], size, &vec![-1.0; width as usize * height as usize]);
         tracing
     }
 
     /// Whether it is of this view.
-    pub fn is_of(&self, camera: &Camera, points: &[Light], size: [u32; 2]) -> bool {
-        self.camera == *camera && self.points == points && self.size == size
+    pub fn is_of(&self, view: &TracedView) -> bool {
+        self.view == *view
     }
 
     /// Its width and height.
     pub fn size(&self) -> [u32; 2] {
-        self.size
+        self.view.size
     }
 
     /// Share of the pixels that are traced.
     pub fn share(&self) -> f32 {
-        let [width, height] = self.size;
+        let [width, height] = self.view.size;
         self.done as f32 / (width * height).max(1) as f32
     }
 
-    /// Traces pixels until `late` says so, a run of them at the least. Whether there were any left.
+    /// Takes over what was traced beside the window, and has the next pixels traced. Whether there are new ones.
     ///
     /// # Errors
-    /// As [`SceneTruth::new`].
-    pub fn advance(&mut self, queue: &wgpu::Queue, late: impl Fn() -> bool) -> Result<bool> {
-        let [width, height] = self.size;
-        let all = width * height;
-        if self.done == all {
-            return Ok(false);
+    /// One line: why none can be traced.
+    pub fn advance(&mut self, queue: &wgpu::Queue, context: &egui::Context) -> Result<bool, String> {
+        let mut new = false;
+        if let Some(traced) = self.runs.as_ref().and_then(Job::take) {
+            self.runs = None;
+            // Where this cannot be traced, nothing more comes.
+            let traced = traced.inspect_err(|_| self.done = self.view.size[0] * self.view.size[1])?;
+            self.take(queue, &traced);
+            new = !traced.is_empty();
         }
-        let one = Samples::new(Pattern::LowDiscrepancy, 1)?;
-        let truth = |light| SceneTruth::new(&self.tracer, &self.camera, light, &one, width, height);
-        let truths = self.points.iter().map(truth).collect::<Result<Vec<_>>>()?;
-        let (share, run) = (1.0 / truths.len() as f32, (RUN / truths.len() as u32).max(1));
-        let visible = |pixel| truths.iter().map(|truth| truth.converged_pixel(pixel).0 * share).sum();
-        while self.done < all {
-            let first = self.done;
-            let end = all.min(first + run).min((first / width + 1) * width);
-            let run: Vec<f32> = (first..end).into_par_iter().map(visible).collect();
-            self.write(queue, [first % width, first / width], [end - first, 1], &run);
-            self.done = end;
-            if late() {
-                break;
-            }
+        let [width, height] = self.view.size;
+        if self.runs.is_none() && self.done < width * height {
+            self.runs = Some(self.rays.trace(context, &self.view, self.done));
         }
-        Ok(true)
+        Ok(new)
+    }
+
+    /// Writes a run of pixels: the rest of a row, whole rows, the begin of one.
+    fn take(&mut self, queue: &wgpu::Queue, mut traced: &[f32]) {
+        let [width, _] = self.view.size;
+        while !traced.is_empty() {
+            let (x, count) = (self.done % width, traced.len() as u32);
+            let size = if x == 0 && count >= width { [width, count / width] } else { [count.min(width - x), 1] };
+            let (run, rest) = traced.split_at((size[0] * size[1]) as usize);
+            self.write(queue, [x, self.done / width], size, run);
+            self.done += run.len() as u32;
+            traced = rest;
+        }
     }
 
     fn write(&self, queue: &wgpu::Queue, [x, y]: [u32; 2], size: [u32; 2], values: &[f32]) {

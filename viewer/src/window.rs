@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex};
 use subpixel_shadows::{Error, Result};
+use viewer::beside::Opened;
 use viewer::{View, ViewArguments, Viewer, configuration, save_png};
 
 /// Arguments of the window.
@@ -91,6 +92,7 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
     };
     let (scene, note) = view.left.open(view.scene.as_deref())?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
+    let opened = Opened::new(scene, note)?;
     let [width, height] = arguments.window.map(|side| side as f32);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -110,7 +112,7 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
         options,
         Box::new(move |created| {
             let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
-            let viewer = Viewer::new(&created.egui_ctx, render, view, scene)?;
+            let viewer = Viewer::new(&created.egui_ctx, render, view, opened)?;
             Ok(match file {
                 Some(file) => Box::new(Once { viewer, file, asked: false, outcome: told }),
                 None => Box::new(Lasting { viewer, lost: of_window }),

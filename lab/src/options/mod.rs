@@ -25,6 +25,9 @@ use subpixel_shadows::samples::Samples;
 use subpixel_shadows::scene::{AreaLight, Light, Mesh};
 use subpixel_shadows::{Error, Result};
 
+/// The built-in scene that is opened where none is named.
+pub const DEFAULT_SCENE: &str = "windmill";
+
 /// A scene and options: the arguments of `render` and `explain`.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "subpixel-shadows")]
@@ -395,7 +398,7 @@ impl RenderOptions {
     /// # Errors
     /// As [`Scene::open`], and for a camera or light that cannot be read.
     pub fn open(&self, scene: Option<&str>) -> Result<(Scene, Option<String>)> {
-        Scene::open_and_note(scene.unwrap_or("windmill"), &self.of_scene()?)
+        Scene::open_and_note(scene.unwrap_or(DEFAULT_SCENE), &self.of_scene()?)
     }
 
     /// Changes of a scene: ground, camera and light.

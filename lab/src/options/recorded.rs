@@ -1,7 +1,7 @@
 //! Options as text: what a frame.json records, and the command line that repeats a frame.
 
 use super::{FrameArguments, RenderOptions};
-use crate::scene::{Camera, Lens, Light, Scene};
+use crate::scene::{Camera, CameraOverride, Lens, Light, Scene};
 use clap::error::ErrorKind;
 use clap::{Parser, ValueEnum};
 use serde_json::{Map, Value, json};
@@ -87,13 +87,9 @@ impl RenderOptions {
 
 /// A camera as `--camera` takes it.
 pub fn camera_text(camera: &Camera) -> String {
-    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(vector);
-    let mut text = format!("eye={eye};target={target};up={up};fov={}", camera.vertical_fov_degrees);
-    let Lens { shift: [x, y], pixel_aspect, mirrored } = camera.lens;
-    if camera.lens != Lens::CENTRED {
-        text += &format!(";shift={x},{y};pixel_aspect={pixel_aspect};mirrored={mirrored}");
-    }
-    text
+    let all = CameraOverride::from(*camera);
+    let without_lens = CameraOverride { shift: None, pixel_aspect: None, mirrored: None, ..all };
+    if camera.lens == Lens::CENTRED { without_lens } else { all }.to_string()
 }
 
 /// A light as `--light` takes it.

@@ -2,6 +2,7 @@
 
 use super::{Camera, Lens, Light, Mesh};
 use glam::{DVec3, Vec3};
+use std::fmt;
 use std::str::FromStr;
 use subpixel_shadows::scene::mesh::MAX_EXTENT;
 use subpixel_shadows::{Error, Result};
@@ -142,6 +143,23 @@ impl FromStr for CameraOverride {
             }
         }
         Ok(camera)
+    }
+}
+
+impl fmt::Display for CameraOverride {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let vector = |[x, y, z]: [f32; 3]| format!("{x},{y},{z}");
+        let parts = [
+            ("eye", self.eye.map(vector)),
+            ("target", self.target.map(vector)),
+            ("up", self.up.map(vector)),
+            ("fov", self.fov.map(|fov| fov.to_string())),
+            ("shift", self.shift.map(|[x, y]| format!("{x},{y}"))),
+            ("pixel_aspect", self.pixel_aspect.map(|aspect| aspect.to_string())),
+            ("mirrored", self.mirrored.map(|mirrored| mirrored.to_string())),
+        ];
+        let given: Vec<_> = parts.into_iter().filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect();
+        f.write_str(&given.join(";"))
     }
 }
 

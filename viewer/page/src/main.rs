@@ -10,8 +10,9 @@ use std::process::ExitCode;
 use wasm_bindgen_cli_support::Bindgen;
 
 /// Files of the page besides its code.
-const FILES: [(&str, &[u8]); 2] = [
+const FILES: [(&str, &[u8]); 3] = [
     ("index.html", include_bytes!("../../web/index.html")),
+    ("worker.js", include_bytes!("../../web/worker.js")),
     ("viewer.png", include_bytes!("../../../data/pictures/viewer.png")),
 ];
 
@@ -42,7 +43,7 @@ fn make(wasm: &str, folder: &Path) -> Result<usize, Box<dyn Error>> {
     for (name, content) in FILES {
         std::fs::write(folder.join(name), content)?;
     }
-    ["viewer_bg.wasm", "viewer.js", "index.html"].iter().try_fold(0, |sum, name| {
+    ["viewer_bg.wasm", "viewer.js", "worker.js", "index.html"].iter().try_fold(0, |sum, name| {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(&std::fs::read(folder.join(name))?)?;
         Ok(sum + encoder.finish()?.len())

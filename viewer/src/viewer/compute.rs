@@ -1,16 +1,14 @@
 //! Both resolutions: frames that run, and pictures that are drawn of them.
 
-use super::{DRAWN, HISTORY, REST, SLICE, SLOW, Viewer};
-use crate::job::Job;
+use super::{DRAWN, HISTORY, REST, SLOW, Viewer};
 use crate::level::Level;
 use crate::picture::Shot;
-use crate::truth;
 use crate::view::Against;
 use subpixel_shadows::wgpu;
 
 impl Viewer {
     /// Goes on with what is computed, and draws what has come.
-    pub(super) fn compute(&mut self, context: &egui::Context, size: [u32; 2], now: f64) {
+    pub(super) fn compute(&mut self, size: [u32; 2], now: f64) {
         // Wakes the callbacks of frames that have run.
         let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         if self.size_at.1 != size {
@@ -25,7 +23,7 @@ impl Viewer {
         let grown = self.full.as_ref().is_none_or(|level| level.picture.size != size);
         // A window that is being dragged is not followed step by step.
         if grown && (self.full.is_none() || now - self.size_at.0 > REST) {
-            let mut full = Level::new(&self.gpu, &self.prepared, &self.view, size, context);
+            let mut full = Level::new(&self.gpu, &self.prepared, &self.view, size);
             full.keep_traced(traced);
             self.full = Some(full);
             self.rough = None;
@@ -37,13 +35,12 @@ impl Viewer {
         if moves && self.rough.is_none() {
             let factor = (seconds / SLOW).sqrt().ceil().min(6.0) as u32;
             let less = full.picture.size.map(|side| (side / factor).max(8));
-            self.rough = Some(Level::new(&self.gpu, &self.prepared, &self.view, less, context));
+            self.rough = Some(Level::new(&self.gpu, &self.prepared, &self.view, less));
         }
-        let level = match &mut self.rough {
-            Some(rough) if moves => rough,
-            _ => full,
+        let mut new = match &mut self.rough {
+            Some(rough) if moves => rough.advance(&self.gpu, &self.moment, now, full.pass()),
+            _ => full.advance(&self.gpu, &self.moment, now, None),
         };
-        let mut new = level.advance(&self.gpu, &self.moment, now);
         if new {
             self.of_rough = moves && self.rough.is_some();
             let seconds = if self.of_rough { &self.rough } else { &self.full }.as_ref().and_then(|level| level.seconds);
@@ -52,8 +49,8 @@ impl Viewer {
                 self.history.pop_front();
             }
         }
-        self.untold |= !self.of_rough && self.trace(context, now);
-        // Drawing takes time from tracing.
+        self.untold |= !self.of_rough && self.trace(now);
+        // Drawing takes time from tracing on a software adapter.
         let whole = self.full.as_ref().and_then(|level| level.tracing.as_ref()).is_some_and(|t| t.share() == 1.0);
         if self.untold && (whole || now - self.told_at > DRAWN) {
             (self.untold, self.told_at, new) = (false, now, true);
@@ -77,8 +74,8 @@ impl Viewer {
         }
     }
 
-    /// Traces some pixels, where the right half is truth and nothing moves. Whether there is something new.
-    pub(super) fn trace(&mut self, context: &egui::Context, now: f64) -> bool {
+    /// Has pixels traced, where the right half is truth and nothing moves. Whether there is something new.
+    pub(super) fn trace(&mut self, now: f64) -> bool {
         let rests = now - self.moved_at >= REST;
         let Some(full) = self.full.as_mut().filter(|level| rests && level.shown == Some(self.moment)) else {
             return false;
@@ -86,22 +83,9 @@ impl Viewer {
         if !matches!(self.view.right, Against::Truth) {
             return false;
         }
-        let Some(tracer) = &self.tracer else {
-            let scene = self.scene.clone();
-            let job = self.tracing.get_or_insert_with(|| Job::new(context, move || truth::tracer(&scene)));
-            if let Some(made) = job.take() {
-                self.tracing = None;
-                match made {
-                    Ok(tracer) => self.tracer = Some(tracer),
-                    Err(error) => self.message = Some(error.to_string()),
-                }
-            }
-            return false;
-        };
-        let start = web_time::Instant::now();
-        let traced = full.trace(&self.gpu, tracer, || start.elapsed() > SLICE);
+        let traced = full.trace(&self.gpu, &self.rays);
         traced.unwrap_or_else(|error| {
-            self.message = Some(error.to_string());
+            self.message = Some(error);
             false
         })
     }

@@ -6,6 +6,7 @@ mod paint;
 mod panels;
 mod plans;
 
+use crate::beside::{Opened, Opening, Rays};
 use crate::control::Extent;
 use crate::half::Gpu;
 use crate::job::Job;
@@ -17,8 +18,8 @@ use crate::view::View;
 use crate::{fonts, panel, read};
 use egui::{Color32, Rect, TextureId, Ui};
 use egui_wgpu::RenderState;
+use lab::options::DEFAULT_SCENE;
 use lab::scene::{Base, Files, Light, Scene, SceneOptions};
-use oracle::truth::Tracer;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,26 +31,17 @@ use subpixel_shadows::wgpu;
 const REST: f64 = 0.25;
 /// Seconds of a frame above which moves are shown at less resolution.
 const SLOW: f64 = 0.1;
-/// Longest that rays are traced between two frames of the window.
-const SLICE: Duration = Duration::from_millis(if cfg!(target_family = "wasm") { 25 } else { 40 });
 /// Seconds after which traced pixels are drawn.
 const DRAWN: f64 = 0.2;
 /// Pixels on either side of the wipe that drag it.
 const REACH: f32 = 8.0;
 /// Width of a window, points, below which the panel is opened by hand.
 const NARROW: f32 = 600.0;
+/// Time after which the window looks at what is computed. A page is woken when there is something to see: to draw it waits until a software adapter
+/// is done.
+const LOOK: Duration = Duration::from_millis(if cfg!(target_family = "wasm") { 250 } else { 20 });
 /// Columns of the graph of frame times.
 const HISTORY: usize = 60;
-
-type Opened = subpixel_shadows::Result<(Scene, Option<String>)>;
-type Ready = subpixel_shadows::Result<(Scene, Prepared, Option<String>)>;
-
-/// A scene with its mesh as passes take it.
-fn ready(opened: Opened) -> Ready {
-    let (scene, note) = opened?;
-    let prepared = scene.prepared()?;
-    Ok((scene, prepared, note))
-}
 
 /// Target of a drag that has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,9 +80,8 @@ pub struct Viewer {
     turns: bool,
     light_turns: bool,
     drag: Option<Drag>,
-    opening: Option<(String, Job<Ready>)>,
-    tracer: Option<Arc<Tracer>>,
-    tracing: Option<Job<subpixel_shadows::Result<Arc<Tracer>>>>,
+    opening: Option<(String, Job<Opening>)>,
+    rays: Rays,
     history: VecDeque<f64>,
     message: Option<String>,
     panel: Option<bool>,
@@ -114,23 +105,28 @@ impl Viewer {
         context: &egui::Context,
         render: &RenderState,
         view: View,
-        scene: Scene,
+        opened: Opened,
     ) -> subpixel_shadows::Result<Self> {
-        let prepared = Arc::new(scene.prepared()?);
+        let Opened { scene, prepared, note: message, rays } = opened;
         context.set_fonts(fonts());
-        let gpu = Gpu { device: render.device.clone(), queue: render.queue.clone(), programs: KeptPrograms::default() };
+        let gpu = Gpu {
+            device: render.device.clone(),
+            queue: render.queue.clone(),
+            programs: KeptPrograms::default(),
+            context: context.clone(),
+        };
         let shader = Shader::new(&gpu.device);
         let mesh = DrawnMesh::new((&gpu.device, &gpu.queue), &shader, &prepared)?;
         let home = Moment { camera: scene.camera, light: scene.light };
         Ok(Self {
             context: context.clone(),
             trouble: Trouble::of(&gpu.device, context),
-            extent: Extent::of(&scene.mesh),
+            extent: Extent::of(&prepared),
             gpu,
             render: render.clone(),
             shader,
             view,
-            scene: Arc::new(scene),
+            scene,
             prepared,
             home,
             mesh,
@@ -150,10 +146,9 @@ impl Viewer {
             light_turns: false,
             drag: None,
             opening: None,
-            tracer: None,
-            tracing: None,
+            rays,
             history: VecDeque::new(),
-            message: None,
+            message,
             panel: None,
             help: false,
             line: String::new(),
@@ -175,7 +170,7 @@ impl Viewer {
         if self.lost().is_some() {
             return true;
         }
-        self.opening.is_none() && self.tracing.is_none() && self.full.as_ref().is_some_and(settled)
+        self.opening.is_none() && self.full.as_ref().is_some_and(settled)
     }
 
     /// The last error or note, as the window tells it.
@@ -194,7 +189,7 @@ impl Viewer {
         &self.view
     }
 
-    /// The scene, with the camera and the light of now.
+    /// The scene, with the camera and the light of now; on a page without its mesh.
     pub fn scene_now(&self) -> Scene {
         Scene { camera: self.moment.camera, light: self.moment.light, ..(*self.scene).clone() }
     }
@@ -268,9 +263,8 @@ impl Viewer {
     }
 
     fn begin(&mut self, name: String, options: SceneOptions) {
-        let (spec, files) = (name.clone(), self.files.clone());
-        let open = move || ready(Scene::open_among(&spec, &options, &files));
-        self.opening = Some((name, Job::new(&self.context, open)));
+        let job = Opened::begin(&self.context, &name, &options, &self.files);
+        self.opening = Some((name, job));
         self.message = None;
     }
 
@@ -281,7 +275,7 @@ impl Viewer {
     pub fn take_line(&mut self, line: &str) -> subpixel_shadows::Result<()> {
         let view = View::of_line(line)?;
         let options = view.left.of_scene()?;
-        let spec = view.scene.clone().unwrap_or_else(|| "windmill".to_owned());
+        let spec = view.scene.clone().unwrap_or_else(|| DEFAULT_SCENE.to_owned());
         self.view = view;
         self.begin(spec, options);
         self.forget_levels();
@@ -293,22 +287,21 @@ impl Viewer {
         let Some(opened) = job.take() else { return };
         let gpu = (&self.gpu.device, &self.gpu.queue);
         let drawn = |prepared: &Prepared| DrawnMesh::new(gpu, &self.shader, prepared);
-        let opened = opened.and_then(|(scene, prepared, note)| Ok((drawn(&prepared)?, scene, prepared, note)));
+        let opened = opened.and_then(|opened| Ok((drawn(&opened.prepared).map_err(|e| e.to_string())?, opened)));
         match opened {
-            Ok((drawn, scene, prepared, note)) => {
+            Ok((drawn, Opened { scene, prepared, note, rays })) => {
                 self.view.scene = Some(name.clone());
                 self.home = Moment { camera: scene.camera, light: scene.light };
                 self.moment = self.home;
-                self.extent = Extent::of(&scene.mesh);
+                self.extent = Extent::of(&prepared);
                 self.mesh = drawn;
-                self.prepared = Arc::new(prepared);
-                self.scene = Arc::new(scene);
-                self.tracer = None;
-                self.tracing = None;
+                self.prepared = prepared;
+                self.scene = scene;
+                self.rays = rays;
                 self.message = note;
                 self.forget_levels();
             }
-            Err(error) => self.message = Some(error.to_string()),
+            Err(error) => self.message = Some(error),
         }
         self.opening = None;
     }
@@ -349,7 +342,7 @@ impl Viewer {
         if self.turns || self.light_turns {
             context.request_repaint();
         } else if !self.is_settled() || busy(&self.rough) {
-            context.request_repaint_after(Duration::from_millis(20));
+            context.request_repaint_after(LOOK);
         }
     }
 }

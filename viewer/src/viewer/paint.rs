@@ -30,7 +30,7 @@ impl Viewer {
             return;
         }
         match self.lost() {
-            None => self.compute(&context, size, now),
+            None => self.compute(size, now),
             Some(_lost) => {
                 #[cfg(target_family = "wasm")]
                 crate::web::tell_lost(&_lost);
@@ -138,9 +138,6 @@ impl Viewer {
                     format!("compiling kernels: {done} of {of}")
                 });
             }
-            if self.tracing.is_some() {
-                return Some("building a tree for rays".to_owned());
-            }
             if let Some(error) = level.halves.iter().find_map(|half| half.error.as_ref()) {
                 return Some(error.clone());
             }
@@ -148,7 +145,10 @@ impl Viewer {
                 return Some("first frame: the driver compiles".to_owned());
             }
             let share = level.tracing.as_ref().map(|tracing| tracing.share()).filter(|share| *share < 1.0)?;
-            Some(format!("tracing 1024 rays a pixel: {:.0} %", 100.0 * share))
+            Some(match share {
+                0.0 => "building a tree for rays".to_owned(),
+                _ => format!("tracing 1024 rays a pixel: {:.0} %", 100.0 * share),
+            })
         };
         let Some(text) = waits() else { return };
         let painter = ui.painter_at(rect);

@@ -1,6 +1,7 @@
 //! The page in a real browser: `./web.sh --test` makes it and runs these tests in Chromium without a screen, one after the other.
 
 mod chromium;
+mod life;
 mod report;
 mod site;
 
@@ -239,7 +240,7 @@ fn the_page_is_small() {
         done.stdout.len()
     };
     LazyLock::force(&SITE);
-    let code = ["viewer_bg.wasm", "viewer.js", "index.html"];
+    let code = ["viewer_bg.wasm", "viewer.js", "worker.js", "index.html"];
     let bytes = sent(&code, "-9");
     println!("{bytes} bytes");
     assert!((500_000..=2_000_000).contains(&bytes), "{bytes} bytes");
@@ -415,69 +416,4 @@ fn counts_are_shown() {
     assert!(text.starts_with("builtin = \"spheres\"") && text.contains("[camera]"), "{text}");
     page.drop_file("view.toml", text);
     assert_eq!((page.complaint(), page.line().starts_with("view.toml")), (None, true));
-}
-
-/// The first picture is there soon, and the page answers its user: tasks of its one thread are short after the first picture.
-#[test]
-#[ignore = "in a browser: ./web.sh --test"]
-fn the_first_picture_comes_soon() {
-    LazyLock::force(&SITE);
-    let mut page = Page(Chromium::start("soon", SIZE));
-    let start = std::time::Instant::now();
-    page.0.open(&address(""));
-    page.0.until("the first picture", "document.documentElement.dataset.started == 'true' && viewer.settled()");
-    let first = start.elapsed().as_secs_f64();
-    println!("{first:.1} s to the first picture");
-    assert!(first < 30.0, "{first} s");
-    page.0.value(
-        "globalThis.tasks = []; new PerformanceObserver(list => tasks.push(...list.getEntries().map(e => e.duration)))
-            .observe({ type: 'longtask' }); true",
-    );
-    let told = |page: &mut Page, what: &str, expression: &str| -> bool {
-        let tasks = page.0.value(expression);
-        let tasks: Vec<f64> = tasks.as_array().expect("a list").iter().filter_map(Value::as_f64).collect();
-        println!("tasks of more than 50 ms while {what}: {tasks:.0?} ms");
-        let mut tasks = tasks;
-        tasks.sort_by(f64::total_cmp);
-        // Single ones are submissions that wait for a software adapter whose cores others use, too.
-        tasks.get(tasks.len() / 2).is_none_or(|ms| *ms <= 100.0)
-    };
-    page.drag("picture", [0.7, 0.5], [0.8, 0.55]);
-    page.drag("picture", [0.5, 0.5], [0.3, 0.5]);
-    let turned = told(&mut page, "the camera is turned and the wipe is moved", "tasks");
-    for scene in ["spheres", "windmill", "plant", "city"] {
-        let line = format!("{scene} --samples 8 --map 256 --against \\'--method pcf --map 256\\'");
-        page.0.value(&format!("tasks.length = 0; viewer.open('{line}'); true"));
-        page.settle();
-        told(&mut page, &format!("{scene} is opened"), "tasks");
-    }
-    page.0.value("viewer.open('windmill --samples 8 --against truth'); true");
-    page.0.until("rays are traced", "viewer.visibility(1).then(all => all.some(v => v >= 0), () => false)");
-    let wait = "tasks.length = 0; new Promise(seen => setTimeout(() => seen(tasks), 4000))";
-    let traced = told(&mut page, "rays are traced", wait);
-    // A task of 200 ms is seen.
-    page.0
-        .value("setTimeout(() => { const end = performance.now() + 200; while (performance.now() < end); }, 0); true");
-    page.0.until("a long task is told", "tasks.some(ms => ms > 190)");
-    assert!(turned && traced, "half of the long tasks take more than 100 ms");
-}
-
-/// Without WebGPU, and when the GPU is lost, the page says so.
-#[test]
-#[ignore = "in a browser: ./web.sh --test"]
-fn what_cannot_be_drawn_is_told() {
-    let mut browser = Chromium::without_webgpu("without", SIZE);
-    browser.open(&address(""));
-    browser.until("a picture is shown", "picture.naturalWidth > 100 && !picture.hidden && !wait.hidden");
-    let said = browser.value("said.textContent");
-    assert!(said.as_str().is_some_and(|said| said.contains("WebGPU")), "{said}");
-    drop(browser);
-    let mut page = Page::open("lost", "plane --samples 1 --map 64 --against '--method pcf --samples 1 --map 64'");
-    assert_eq!(page.0.value("lost.hidden"), json!(true));
-    page.0.lose_gpu();
-    page.0.until("the loss is told", "!lost.hidden && lost.textContent.includes('lost')");
-    drop(page);
-    let mut bad = Chromium::start("bad", SIZE);
-    bad.open(&address("plane --samples 3"));
-    bad.until("the fault is told", "!wait.hidden && said.textContent.includes('3')");
 }

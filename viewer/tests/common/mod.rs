@@ -6,6 +6,7 @@ use futures::executor::block_on;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use subpixel_shadows::wgpu;
+use viewer::beside::Opened;
 use viewer::{View, Viewer, configuration};
 
 /// Width of the window, points and pixels.
@@ -56,8 +57,9 @@ impl Window {
         let render = render.expect("an adapter; SUBPIXEL_SHADOWS_NO_GPU=1 leaves these tests out");
         let view = View::of_line(line).expect(line);
         let (scene, _) = view.left.open(view.scene.as_deref()).expect(line);
+        let opened = Opened::new(scene, None).expect(line);
         let context = egui::Context::default();
-        let viewer = Viewer::new(&context, &render, view, scene).expect(line);
+        let viewer = Viewer::new(&context, &render, view, opened).expect(line);
         let size = [WIDE as f32, 160.0];
         let mut window = Self { context, render, viewer, size, start: Instant::now(), texts: Vec::new() };
         window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);

@@ -17,6 +17,11 @@ impl Files {
         self.0.insert(path.into(), bytes.into());
     }
 
+    /// Paths and contents of the files that are held.
+    pub fn held(&self) -> impl Iterator<Item = (&Path, &[u8])> {
+        self.0.iter().map(|(path, bytes)| (&**path, &**bytes))
+    }
+
     /// Whether a file of this path is held.
     pub fn holds(&self, path: &Path) -> bool {
         self.0.contains_key(path)

@@ -1,9 +1,14 @@
 //! The viewer in a web page.
 
+mod worker;
+
 use crate::{View, Viewer, configuration};
+use lab::options::DEFAULT_SCENE;
+use lab::scene::Files;
 use std::cell::RefCell;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, HtmlAnchorElement, HtmlCanvasElement, Url};
+pub use worker::{SceneInWorker, open, pause, trace};
 
 /// Names of files, and their contents or why there is none.
 type Read = Vec<(String, Result<Vec<u8>, String>)>;
@@ -128,12 +133,18 @@ impl Page {
 }
 
 /// Opens the viewer on a canvas, with the view that a command line names (the page's address after `#`), or the one by default. `told` is
-/// called with one line where nothing can be drawn any more.
+/// called with one line where nothing can be drawn any more; `ask` asks the worker.
 ///
 /// # Errors
 /// One line: the view cannot be opened, or there is no adapter.
 #[wasm_bindgen]
-pub async fn start(canvas: HtmlCanvasElement, line: String, told: js_sys::Function) -> Result<Page, JsValue> {
+pub async fn start(
+    canvas: HtmlCanvasElement,
+    line: String,
+    told: js_sys::Function,
+    ask: js_sys::Function,
+) -> Result<Page, JsValue> {
+    worker::set_ask(ask);
     console_error_panic_hook::set_once();
     eframe::WebLogger::init(log::LevelFilter::Warn).ok();
     let said = |error: &dyn std::fmt::Display| JsValue::from_str(&error.to_string());
@@ -142,12 +153,13 @@ pub async fn start(canvas: HtmlCanvasElement, line: String, told: js_sys::Functi
     } else {
         View::of_line(&line).map_err(|e| said(&e))?
     };
-    let (scene, _) = view.left.open(view.scene.as_deref()).map_err(|e| said(&e))?;
+    let (name, options) = (view.scene.as_deref().unwrap_or(DEFAULT_SCENE), view.left.of_scene().map_err(|e| said(&e))?);
+    let opened = open(name.to_owned(), options, Files::default()).await.map_err(|e| said(&e))?;
     let options = eframe::WebOptions { wgpu_options: configuration(), ..Default::default() };
     let create = move |created: &eframe::CreationContext<'_>| {
         let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
         LISTENER.set(Some(told));
-        Ok(Box::new(Viewer::new(&created.egui_ctx, render, view, scene)?) as Box<dyn eframe::App>)
+        Ok(Box::new(Viewer::new(&created.egui_ctx, render, view, opened)?) as Box<dyn eframe::App>)
     };
     let runner = eframe::WebRunner::new();
     runner.start(canvas, options, Box::new(create)).await?;
