@@ -15,8 +15,8 @@ use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
     caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, history, instance_positions,
-    map_moments, pixel_counts, pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan, radix_sort,
-    sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
+    light_lists, map_moments, pixel_counts, pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan,
+    radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
@@ -97,6 +97,7 @@ fn registry() -> Vec<Registered> {
         of::<facet_classify::Undecided>(),
         of::<gbuffer_triangles::GbufferTrianglesParams>(),
         of::<history::FrameBefore>(),
+        of::<light_lists::LightPart>(),
         of::<map_moments::MapLevels>(),
         of::<pixel_counts::PixelCounts>(),
         of::<pixel_coverage::Covering>(),

@@ -28,6 +28,7 @@ mod history;
 mod instance_positions;
 mod kept_triangles;
 mod light_layers;
+mod light_lists;
 mod map_moments;
 mod moment_shadows;
 mod page_casters;
@@ -90,7 +91,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 53] = [
+    let without_textures: [Maker; 54] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -134,6 +135,7 @@ fn run(options: &Options) -> Result<()> {
         pixel_coverage::cases,
         sample_surfaces::cases,
         pixel_views::cases,
+        light_lists::cases,
         facet_classify::cases,
         pixel_texel_pairs::cases,
         triangle_texel_pairs::cases,

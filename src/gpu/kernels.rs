@@ -737,6 +737,74 @@ pub mod light_layers {
     }
 }
 
+/// `kernels/light_lists.wgsl`.
+pub mod light_lists {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
+        "shared/facet/facet", "shared/frame/facing", "shared/frame/vertex", "shared/frame/strip",
+        "light_lists/light_part", "light_lists/light_reach", "light_lists",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
+        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
+        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
+        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
+        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, REACH_NONE = 0, REACH_SOME = 1, REACH_ALL = 2, WORKGROUP = 64,
+        LIST_HEAD = 4, LIST_ENTRY = 18, TILE_LACKS = 2147483648,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "light_lists", "share", [64, 1, 1], SOURCE, Constants => Share, ShareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 part: Uniform<'a, crate::stages::light_lists::LightPart>,
+        2 samples: Uniform<'a, [f32; 4]>,
+        3 facets: Read<'a, crate::stages::facet_classify::Facet>,
+        4 masks: Read<'a, u32>,
+        5 pixel_facets: Read<'a, u32>,
+        6 triangles: Read<'a, [u32; 4]>,
+        7 positions: Read<'a, [f32; 4]>,
+        8 shares: Write<'a, u32>,
+    } }
+    entry_point! { "light_lists", "share_centres", [64, 1, 1], SOURCE, Constants => ShareCentres, ShareCentresProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 part: Uniform<'a, crate::stages::light_lists::LightPart>,
+        6 triangles: Read<'a, [u32; 4]>,
+        7 positions: Read<'a, [f32; 4]>,
+        8 shares: Write<'a, u32>,
+        9 id_keys: Read<'a, u32>,
+        10 visibility: Read<'a, f32>,
+    } }
+    entry_point! { "light_lists", "begin", [64, 1, 1], SOURCE, Constants => Begin, BeginProgram {
+        1 part: Uniform<'a, crate::stages::light_lists::LightPart>,
+        15 lists: Write<'a, u32>,
+    } }
+    entry_point! { "light_lists", "mark", [64, 1, 1], SOURCE, Constants => Mark, MarkProgram {
+        1 part: Uniform<'a, crate::stages::light_lists::LightPart>,
+        11 given: Read<'a, u32>,
+        12 counts: Write<'a, u32>,
+        15 lists: Write<'a, u32>,
+    } }
+    entry_point! { "light_lists", "emit", [64, 1, 1], SOURCE, Constants => Emit, EmitProgram {
+        1 part: Uniform<'a, crate::stages::light_lists::LightPart>,
+        11 given: Read<'a, u32>,
+        13 marks: Read<'a, u32>,
+        14 offsets: Read<'a, u32>,
+        15 lists: Write<'a, u32>,
+        16 need: Write<'a, u32>,
+    } }
+    subset! { Mark => Begin { part, lists } }
+    subset! { Emit => Begin { part, lists } }
+    entries! {
+        Share, ShareCentres, Begin, Mark, Emit,
+    }
+}
+
 /// `kernels/map_moments.wgsl`.
 pub mod map_moments {
     use crate::entry_point;
@@ -2997,6 +3065,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("instance_positions", instance_positions::SOURCE, instance_positions::ENTRIES),
     ("kept_triangles", kept_triangles::SOURCE, kept_triangles::ENTRIES),
     ("light_layers", light_layers::SOURCE, light_layers::ENTRIES),
+    ("light_lists", light_lists::SOURCE, light_lists::ENTRIES),
     ("map_moments", map_moments::SOURCE, map_moments::ENTRIES),
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
     ("page_casters", page_casters::SOURCE, page_casters::ENTRIES),

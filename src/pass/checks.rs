@@ -15,6 +15,7 @@ impl ShadowPass {
         inputs.light.check()?;
         target.check(self.settings.size, self.image.lit().map(|lit| lit.len() as u64 * 4))?;
         target.check_counts(self.settings.pixels(), self.image.method.counts().is_some())?;
+        self.check_listed(target)?;
         inputs.reach.check()?;
         if let Some([near, far]) = inputs.depths
             && !(near > 0.0 && near <= far && far.is_finite())

@@ -1,7 +1,7 @@
 //! Inputs that an application hands to the pass, and the checks of them.
 
-use super::GBuffer;
 use super::textures::{ImagePart, check_sampled};
+use super::{GBuffer, ListedTarget};
 use crate::methods::Prepared;
 use crate::scene::{AlphaTested, Camera, Light};
 use crate::stages::caster_positions::Vertices;
@@ -349,6 +349,8 @@ pub struct Target<'a> {
     /// `COPY_DST`; written from its start. They are of the frame itself, also where [`keep_last`](super::PassConfig::keep_last) shows another, and of
     /// the last of several points of a light.
     pub counts: Option<&'a wgpu::Buffer>,
+    /// Lists of lights that the light is put into, for passes with [`light_lists`](super::PassConfig::light_lists).
+    pub listed: Option<ListedTarget<'a>>,
 }
 
 impl<'a> Target<'a> {

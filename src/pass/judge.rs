@@ -4,7 +4,7 @@ use super::status::{Faults, Finished, FrameStatus, Label};
 use super::{ShadowPass, list_sizing};
 use crate::methods::facet_masks::{Capacities, MapSource};
 use crate::methods::list_sizing::Needs;
-use crate::methods::output::Counts;
+use crate::methods::output::{Counts, ListUse};
 use crate::status::Status;
 
 /// Stamp that the last stage of a frame writes into its counters: never 0, and different for each of some billion frames.
@@ -24,7 +24,15 @@ impl ShadowPass {
     /// Takes in what is known by now.
     pub(super) fn collect(&mut self) {
         for finished in self.in_flight.finished(self.timer.as_ref()) {
-            let status = self.judge(finished);
+            let needed = finished.read.as_ref().map_or(0, |(.., needed)| *needed);
+            let room = finished.label.listed;
+            let mut status = self.judge(finished);
+            if let Some(room) = room.filter(|_| status.error.is_none()) {
+                let (needed, capacity) = (u64::from(needed), u64::from(room));
+                status.light_lists = Some(ListUse { name: "light_lists", needed, capacity, runs: 1 });
+                status.overflowed |= needed > capacity;
+                status.complete &= needed <= capacity;
+            }
             if self.known.len() == Self::KEPT {
                 self.known.pop_front();
             }
@@ -33,7 +41,7 @@ impl ShadowPass {
     }
 
     fn judge(&mut self, finished: Finished) -> FrameStatus {
-        let Finished { label: Label { frame, generation, capacities, strips, dispatches, maps, edits }, read } =
+        let Finished { label: Label { frame, generation, capacities, strips, dispatches, maps, edits, .. }, read } =
             finished;
         let mut status = FrameStatus {
             frame,
@@ -46,11 +54,12 @@ impl ShadowPass {
             depths: None,
             counts: Counts::default(),
             lists: Vec::new(),
+            light_lists: None,
             stages: Vec::new(),
         };
         let words;
         (words, status.faults, status.stages) = match read {
-            Ok(read) => read,
+            Ok((words, faults, stages, _)) => (words, faults, stages),
             Err(error) => {
                 status.error = Some(error.to_string());
                 self.failure = Some(error);

@@ -58,6 +58,9 @@ impl ShadowPass {
         if target.lit.is_some() {
             return Err(Error::Config("lit masks: a light of some extent has none, its points have".to_owned()));
         }
+        if target.listed.is_some() {
+            return Err(Error::Config("lists of lights: a light of some extent is in none".to_owned()));
+        }
         let (low, high) = self.check(&Inputs { light: &light.light, ..*inputs }, target)?;
         self.record_points(encoder, inputs, &light.points(0.5 * (low + high)), target, (None, None))
     }

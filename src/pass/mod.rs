@@ -27,6 +27,7 @@
 //!   the lists behind the one that overflowed will need is then a guess, so that rarely a third or fourth frame is the first
 //!   whole one: each status says for itself whether its frame was complete. Lists of which more than seven eighths are needed grow
 //!   before they overflow; with [`PassConfig::keep_last`] the last complete picture stands meanwhile.
+//! - **Many small lights.** [`ShadowPass::record_light_lists`] lists by tiles of the image which lights reach it, and how visible they are.
 //! - **Lights of some extent.** [`ShadowPass::record_area`] takes the mean over points of a light: soft shadows at the price of as many lights.
 //! - **What stands is not made again.** While casters and light stand the light maps do, for any camera ([`PassConfig::keep_maps`]).
 //! - **What a frame does not need.** Of casters that stand the pass proves, frame by frame, that none can be seen, or that none can shadow another,
@@ -44,6 +45,7 @@ mod image_strips;
 mod inputs;
 pub(crate) mod judge;
 mod kept_maps;
+mod light_lists;
 mod lights;
 mod lit_masks;
 mod part_changes;
@@ -61,6 +63,7 @@ pub use inputs::{
     CasterMesh, CasterPart, Casters, Inputs, LightReach, LightTarget, Moved, PartAt, PartKind, PartPlace, Placed,
     Target, TargetTexture,
 };
+pub use light_lists::{ListedTarget, light_list_bytes, light_lists_wgsl};
 pub use lit_masks::lit_masks_wgsl;
 pub use status::{Faults, FrameStatus};
 
@@ -82,6 +85,7 @@ use gbuffer_stage::GbufferStage;
 use held::HeldPicture;
 use image_strips::{ImageStrips, NewStrips, Stores, StripMaker};
 use kept_maps::KeptMaps;
+use light_lists::PassLists;
 pub(crate) use recording::{FramePart, Surfaces};
 use status::{FAULT_WORDS, InFlight};
 use std::collections::VecDeque;
@@ -105,6 +109,8 @@ pub struct PassConfig<'a> {
     /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 68 bytes a pixel of a strip,
     /// 48 of them behind the casters' positions in one binding.
     pub receivers: bool,
+    /// Make room for lists of lights ([`ShadowPass::record_light_lists`], [`Target::listed`]): a byte a pixel and 8 a tile of 64, of any number of lights.
+    pub light_lists: bool,
     /// About so many strips of rows in which the image is rendered, of as many rows each; more where the device's bindings do not hold
     /// those (down to [`Strips::LEAST`] rows). Of several, memory is that of one, and of the results.
     pub strips: u32,
@@ -128,7 +134,7 @@ pub struct PassConfig<'a> {
 }
 
 impl<'a> PassConfig<'a> {
-    /// Default budget, lists that grow, no room for receivers that are no casters, no more strips than it takes, no last picture, no times, proofs and light maps
+    /// Default budget, lists that grow, no room for receivers that are no casters and for lists of lights, no more strips than it takes, no last picture, no times, proofs and light maps
     /// that are kept.
     pub fn new(settings: Settings, casters: Casters<'a>) -> Self {
         Self {
@@ -138,6 +144,7 @@ impl<'a> PassConfig<'a> {
             budget: Budget::default(),
             grow: true,
             receivers: false,
+            light_lists: false,
             strips: 1,
             keep_last: false,
             timing: false,
@@ -163,6 +170,7 @@ pub struct ShadowPass {
     last: Option<(LastPicture, HeldPicture)>,
     /// Sums of the visibility of points of a light, strip by strip.
     sums: Option<Buffer<f32>>,
+    lists: Option<PassLists>,
     faults: Buffer<u32>,
     timer: Option<Timer>,
     in_flight: InFlight,
@@ -273,6 +281,7 @@ impl ShadowPass {
         Ok(Self {
             last: config.keep_last.then(held).transpose()?,
             sums: None,
+            lists: config.light_lists.then(|| PassLists::new(device, queue, &settings)).transpose()?,
             seen: GbufferStage::new(device, &settings, made.keys)?,
             settings,
             ledger: Ledger::default(),
@@ -336,6 +345,11 @@ impl ShadowPass {
             && settings.size != self.settings.size
         {
             *held = HeldPicture::new(&self.maker.device, &self.maker.queue, &settings, &made.image)?;
+        }
+        if let Some(lists) = &mut self.lists
+            && settings.size != self.settings.size
+        {
+            lists.resize(&self.maker.device, settings.size)?;
         }
         self.settings = settings;
         if let Some(casters) = casters {

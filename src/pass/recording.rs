@@ -3,6 +3,7 @@
 use super::gbuffer_stage::With;
 use super::judge::stamp_of;
 use super::kept_maps::FrameMaps;
+use super::light_lists::part_of;
 use super::parts::PartSet;
 use super::status::{Label, Staging};
 use super::{GBuffer, Inputs, ShadowPass, Target};
@@ -159,8 +160,10 @@ impl ShadowPass {
         self.frame += 1;
         let (generation, capacities) = (self.generation, self.image.method.capacities());
         let edits = self.casters.parts.as_ref().map_or(0, PartSet::edits);
-        let label = Label { frame: self.frame, generation, capacities, strips, dispatches, maps, edits };
-        self.in_flight.push(encoder, label, staging, &self.faults, self.timer.as_ref());
+        let listed = target.listed.map(|to| part_of(to, inputs.light, inputs.reach, self.settings.size).capacity);
+        let label = Label { frame: self.frame, generation, capacities, strips, dispatches, maps, edits, listed };
+        let need = self.lists.as_ref().map(|lists| &lists.memory.need);
+        self.in_flight.push(encoder, label, staging, (&self.faults, need), self.timer.as_ref());
         Ok(self.frame)
     }
 
@@ -184,6 +187,11 @@ impl ShadowPass {
         let staged = uploads.into_iter().map(of_views).collect::<Result<Vec<_>>>()?;
         let rec = Recorder::new(&self.maker.device, encoder, self.timer.as_mut());
         let rec = &mut rec.keeping(&mut self.bind_groups);
+        let listed = target.listed.zip(self.lists.as_ref());
+        if let Some((to, lists)) = listed.filter(|(to, _)| to.begin) {
+            lists.record_begin(rec, to.lists, self.settings.size)?;
+        }
+        let listed = listed.map(|(to, lists)| (part_of(to, inputs.light, inputs.reach, self.settings.size), to, lists));
         let kept = surfaces == Surfaces::Kept;
         if !kept {
             rec.clear(faults.raw());
@@ -211,6 +219,9 @@ impl ShadowPass {
                 let stage = &mut rec.stage("visibility_texture");
                 self.store.mean.record(stage, method.frame(), method.visibility(), pixels, sums, share)?;
             }
+            if let Some((light, _, lists)) = &listed {
+                lists.record_share(rec, method, &casters.buffers, image.strips.size(), *light)?;
+            }
             match &self.last {
                 Some((with, held)) => {
                     held.record_judge(rec, with, image, faults)?;
@@ -222,6 +233,9 @@ impl ShadowPass {
                 }
             }
             staging.record(rec, method.status(), k);
+        }
+        if let Some((light, to, lists)) = listed {
+            lists.record_append(rec, to.lists, light)?;
         }
         let Some((with, held)) = &self.last else { return Ok(rec.dispatches()) };
         held.record_hold(rec, with, image);

@@ -68,6 +68,10 @@ pub struct FrameStatus {
     /// Need of each list, in the strip that needed most, and its capacity. Where one list was too short, later ones may have needed more
     /// than they say.
     pub lists: Vec<ListUse>,
+    /// Entries that the lists of lights which the light was put into need up to this light, and those that they have room for
+    /// ([`Target::listed`](super::Target::listed)); `None` for a light in no lists. Where they have less, the frame counts as overflowed, and the buffer is to be
+    /// longer ([`light_list_bytes`](super::light_list_bytes)); what it holds is right.
+    pub light_lists: Option<ListUse>,
     /// GPU time of each stage, of the first [`Timer::PASSES`] passes of the frame (about 13 for each strip and view, and 7 for each
     /// further band); empty without time stamps.
     pub stages: Vec<StageTime>,
@@ -76,8 +80,8 @@ pub struct FrameStatus {
 /// The counters of a finished frame.
 pub(super) struct Finished {
     pub(super) label: Label,
-    /// Counters of the method of all strips, faults, and times; or why they cannot be read.
-    pub(super) read: Result<(Vec<u32>, Faults, Vec<StageTime>)>,
+    /// Counters of the method of all strips, faults, times, and entries that lists of lights need; or why they cannot be read.
+    pub(super) read: Result<(Vec<u32>, Faults, Vec<StageTime>, u32)>,
 }
 
 const WAITING: u8 = 0;
@@ -128,6 +132,8 @@ pub(super) struct Label {
     pub(super) maps: FrameMaps,
     /// Edits of the casters that it has written.
     pub(super) edits: u64,
+    /// Entries that the lists of lights have room for, if the light is in such.
+    pub(super) listed: Option<u32>,
 }
 
 /// A buffer that the counters of a frame are copied to.
@@ -167,12 +173,16 @@ impl InFlight {
         encoder: &mut wgpu::CommandEncoder,
         label: Label,
         staging: Staging,
-        faults: &Buffer<u32>,
+        (faults, listed): (&Buffer<u32>, Option<&Buffer<u32>>),
         timer: Option<&Timer>,
     ) {
         let Staging { buffer: staging, words } = staging;
         let status_bytes = words * 4;
-        encoder.copy_buffer_to_buffer(faults.raw(), 0, &staging, status_bytes, FAULT_WORDS as u64 * 4);
+        let faults_bytes = FAULT_WORDS as u64 * 4;
+        encoder.copy_buffer_to_buffer(faults.raw(), 0, &staging, status_bytes, faults_bytes);
+        if let Some(listed) = listed {
+            encoder.copy_buffer_to_buffer(listed.raw(), 0, &staging, status_bytes + faults_bytes, 4);
+        }
         if let Some(timer) = timer {
             timer.resolve_to(encoder, &staging, stamps_at(status_bytes));
         }
@@ -226,13 +236,13 @@ impl InFlight {
     }
 }
 
-/// Where the time stamps stand behind so many bytes of counters, and the faults.
+/// Where the time stamps stand behind so many bytes of counters, the faults, and the need of lists of lights.
 fn stamps_at(status_bytes: u64) -> u64 {
-    (status_bytes + FAULT_WORDS as u64 * 4).next_multiple_of(8)
+    (status_bytes + FAULT_WORDS as u64 * 4 + 4).next_multiple_of(8)
 }
 
 impl Slot {
-    fn read(&self, timer: Option<&Timer>) -> Result<(Vec<u32>, Faults, Vec<StageTime>)> {
+    fn read(&self, timer: Option<&Timer>) -> Result<(Vec<u32>, Faults, Vec<StageTime>, u32)> {
         let out = {
             let view = self
                 .staging
@@ -242,8 +252,10 @@ impl Slot {
             let faults_end = at + FAULT_WORDS * 4;
             let words = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, u32>(bytes);
             let faults = Faults::of(&words(&view[at..faults_end]));
-            let stages = timer.map_or(Vec::new(), |t| t.times(&self.passes, &view[faults_end.next_multiple_of(8)..]));
-            (words(&view[..at]), faults, stages)
+            let stamps = stamps_at(self.status_bytes) as usize;
+            let stages = timer.map_or(Vec::new(), |t| t.times(&self.passes, &view[stamps..]));
+            let needed = words(&view[faults_end..faults_end + 4])[0];
+            (words(&view[..at]), faults, stages, needed)
         };
         self.staging.unmap();
         Ok(out)

@@ -19,6 +19,7 @@ pub mod history;
 pub mod instance_positions;
 pub mod kept_triangles;
 pub mod light_layers;
+pub mod light_lists;
 pub mod map_moments;
 pub mod moment_shadows;
 pub mod page_casters;

@@ -2,6 +2,7 @@
 //! several samples a pixel.
 
 mod frames;
+mod light_lists;
 mod receivers;
 mod roles;
 mod samples;

@@ -4,7 +4,7 @@ use super::*;
 use oracle::truth::{SceneTruth, TruthImage, join_mask};
 use subpixel_shadows::pass::{LightReach, LightTarget, TargetTexture};
 
-fn truth(scene: &Scene, light: &Light, samples: &Samples) -> TruthImage {
+pub fn truth(scene: &Scene, light: &Light, samples: &Samples) -> TruthImage {
     let tracer = Tracer::new(&scene.mesh).expect("a tracer");
     let truth = SceneTruth::new(&tracer, &scene.camera, light, samples, SIZE[0], SIZE[1]).expect("a truth");
     let mut image = truth.image(None);
@@ -16,7 +16,7 @@ fn truth(scene: &Scene, light: &Light, samples: &Samples) -> TruthImage {
 }
 
 /// Where each sample sees a surface.
-fn points(scene: &Scene, samples: &Samples) -> Vec<Option<DVec3>> {
+pub fn points(scene: &Scene, samples: &Samples) -> Vec<Option<DVec3>> {
     let tracer = Tracer::new(&scene.mesh).expect("a tracer");
     let rays = scene.camera.rays(SIZE[0], SIZE[1]);
     let point = |pixel: u32, offset: &[f32; 2]| {
@@ -95,9 +95,8 @@ fn cones_and_ranges_limit_the_views() {
     refused("range", pass.record(&mut gpu().encoder(), &inputs, &Target::default()));
 }
 
-/// A spot above each of sixteen boxes, recorded as one frame: each has one view, and no sample in its cone is wrong.
-#[gpu_test]
-fn sixteen_spots_share_a_frame() {
+/// A spot above each of sixteen boxes on a floor.
+pub fn sixteen_spots() -> (Scene, Vec<Light>) {
     let mut mesh = Mesh {
         positions: vec![[-4.0, 0.0, -4.0], [-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -122,6 +121,13 @@ fn sixteen_spots_share_a_frame() {
         camera: Camera::look_at([0.5, 6.0, 7.0], [0.0; 3], [0.0, 1.0, 0.0], 45.0, 0.1),
         ..scene("plane")
     };
+    (scene, lights)
+}
+
+/// The spots, recorded as one frame: each has one view, and no sample in its cone is wrong.
+#[gpu_test]
+fn sixteen_spots_share_a_frame() {
+    let (scene, lights) = sixteen_spots();
     let settings = settings(FacetMode::All, 32);
     let points = points(&scene, &settings.samples);
     let texture = super::texture(SIZE, 16, TextureFormat::R8Unorm, &vec![0; 16 * PIXELS]);

@@ -18,6 +18,7 @@ mod history;
 mod instance_positions;
 mod kept_triangles;
 mod light_layers;
+mod light_lists;
 mod map_moments;
 mod moment_shadows;
 mod page_casters;
