@@ -56,7 +56,7 @@ fn lit_share_of_disc(r: Receiver, at: vec3<f32>, depth: f32, turn: vec2<f32>) ->
         let tap = select(pair.xy, pair.zw, (k & 1u) == 1u);
         let place = at.xy + turn.x * tap + turn.y * vec2(-tap.y, tap.x);
         let texel = vec2<i32>(floor(clamp(place, vec2(-16.0), vec2(65536.0))));
-        lit_taps += lit_at(texel, depth + dot(r.slope, middle_of(texel) - at.xy));
+        lit_taps += lit_at(texel, depth + rise_to(r, at, middle_of(texel)));
     }
     return lit_taps / f32(max(TAPS, 1u));
 }
@@ -77,8 +77,9 @@ fn lit_share(r: Receiver, at: vec3<f32>, turn: vec2<f32>) -> f32 {
             if x == 0 { weight.x = 1.0 - part.x; } else if x == last { weight.x = part.x; }
             if y == 0 { weight.y = 1.0 - part.y; } else if y == last { weight.y = part.y; }
             let tap = low + vec2(x, y);
-            let away = select(vec2(0.0), middle_of(tap) - at.xy, RECEIVER_PLANE != 0u);
-            let lit = lit_at(tap, depth + dot(r.slope, away));
+            var there = depth;
+            if RECEIVER_PLANE != 0u { there += rise_to(r, at, middle_of(tap)); }
+            let lit = lit_at(tap, there);
             sum += weight.x * weight.y * lit;
             lit_taps += lit;
         }

@@ -29,7 +29,7 @@ shared_struct! {
         pub pixel_x: [f32; 4],
         /// Likewise image y.
         pub pixel_y: [f32; 4],
-        /// Light view, row of texel x.
+        /// Light view, row of texel x; of a paraboloid view see `LightView::paraboloid`.
         pub map_u: [f32; 4],
         /// Light view, row of texel y.
         pub map_v: [f32; 4],
@@ -124,6 +124,8 @@ impl Frame {
     pub const ONE_OF_SEVERAL: u32 = 512;
     /// The first of four flags, one a side of the map: see [`LightView::ends`].
     pub const ENDS: u32 = 1024;
+    /// The view is a [paraboloid](LightView::paraboloids) one.
+    pub const PARABOLOID: u32 = 262_144;
     /// Another view of the light follows.
     pub const MORE_VIEWS: u32 = 128;
     /// Nothing casts a shadow: a facet that faces the light is lit.
@@ -192,6 +194,7 @@ impl Frame {
             sample_low,
             sample_high,
             flags: if view.perspective { Self::PERSPECTIVE } else { 0 }
+                | if view.paraboloid.is_some() { Self::PARABOLOID } else { 0 }
                 | if view.closed { Self::CLOSED } else { 0 }
                 | if view.one_of_several { Self::ONE_OF_SEVERAL } else { 0 }
                 | (0..4).map(|side| u32::from(view.ends[side]) * (Self::ENDS << side)).sum::<u32>(),

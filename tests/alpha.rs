@@ -6,7 +6,7 @@ use oracle::engine::{self, CpuRequest};
 use oracle::truth::{SceneTruth, Tracer, TruthImage, join_mask};
 use subpixel_shadows::Error;
 use subpixel_shadows::ShadowPass;
-use subpixel_shadows::light_view::{SplitPlan, Warp};
+use subpixel_shadows::light_view::{OmniMaps, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::names::TexelQuery;
 use subpixel_shadows::methods::{FacetMode, MethodName, PairVariant, Prepared, ProjectionVariant, Settings};
@@ -279,17 +279,36 @@ fn depth_maps_have_holes() {
         ) && m.row().partition.is_none()
     };
     for method in MethodName::ALL.into_iter().filter(maps) {
-        let plan = Plan::of_method(method, &prepared, &scene.camera, &scene.light, &settings, false).expect("a plan");
-        let mut renderer = Renderer::of_plan(gpu(), &prepared, method, &plan, Budget::default()).expect("a renderer");
-        let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
-        let [with, without] = truths.each_ref().map(|truth| {
-            let off = |(v, p): (&f32, &oracle::truth::PixelTruth)| f64::from(v - p.visibility).powi(2);
-            let sum: f64 = output.visibility.iter().zip(&truth.pixels).map(off).sum();
-            (sum / truth.pixels.len() as f64).sqrt()
-        });
-        eprintln!("{}: RMSE {with:.4}, {without:.4} from cards without holes", method.name());
+        let [with, without] = off_truths(&scene, &prepared, method, &settings, &truths);
         assert!(with < 0.6 * without, "{}: {with} {without}", method.name());
     }
+    // On a paraboloid, of a lamp.
+    let light = Light::Point { position: [2.0, 9.0, 1.5] };
+    let [scene, whole] = [scene, whole].map(|scene| Scene { light, ..scene });
+    let settings = Settings { omni: OmniMaps::Paraboloids, ..settings };
+    let truths = [&scene, &whole].map(|scene| truth(scene, &scene.prepared().expect("a sound mesh"), &settings));
+    let [with, without] = off_truths(&scene, &prepared, MethodName::ShadowMap, &settings, &truths);
+    assert!(with < 0.6 * without, "a paraboloid: {with} {without}");
+}
+
+/// How far a method's picture is from each of two truths, root mean square.
+fn off_truths(
+    scene: &Scene,
+    prepared: &Prepared,
+    method: MethodName,
+    settings: &Settings,
+    truths: &[TruthImage; 2],
+) -> [f64; 2] {
+    let plan = Plan::of_method(method, prepared, &scene.camera, &scene.light, settings, false).expect("a plan");
+    let mut renderer = Renderer::of_plan(gpu(), prepared, method, &plan, Budget::default()).expect("a renderer");
+    let output = renderer.render(&scene.camera, &scene.light).expect("a frame");
+    let [with, without] = truths.each_ref().map(|truth| {
+        let off = |(v, p): (&f32, &oracle::truth::PixelTruth)| f64::from(v - p.visibility).powi(2);
+        let sum: f64 = output.visibility.iter().zip(&truth.pixels).map(off).sum();
+        (sum / truth.pixels.len() as f64).sqrt()
+    });
+    eprintln!("{}: RMSE {with:.4}, {without:.4} from cards without holes", method.name());
+    [with, without]
 }
 
 /// Wrong maps and triangles, methods that ask for no alpha, and passes made without are told of.

@@ -34,6 +34,7 @@ mod moment_shadows;
 mod page_casters;
 mod page_query;
 mod page_requests;
+mod paraboloid_casters;
 mod pixel_counts;
 mod pixel_coverage;
 mod pixel_filter;
@@ -91,7 +92,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 54] = [
+    let without_textures: [Maker; 55] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -115,6 +116,7 @@ fn run(options: &Options) -> Result<()> {
         axis_density::cases,
         warped_casters::cases,
         warped_query::cases,
+        paraboloid_casters::cases,
         smsr::cases,
         map_moments::cases,
         moment_shadows::cases,

@@ -58,7 +58,8 @@ fn other_value(option: &str) -> &'static str {
         "radius" | "nodes" | "terms" => "3",
         "turned" => "on",
         "compare" => "midpoint",
-        // As they are, which alone goes with another depth.
+        // As they are, which alone goes with another depth, and with slices.
+        "omni" => "planes",
         "bias" => "0.00005",
         "slope-bias" => "1.05",
         "shape" => "corners",
@@ -380,7 +381,7 @@ mod gpu {
 
     /// The settings with another value of an option.
     fn with(method: MethodName, option: &str, s: &Settings) -> Option<Settings> {
-        use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
+        use subpixel_shadows::light_view::{OmniMaps, PartBy, SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{
             DensityRule, DiscFilter, HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape,
@@ -419,6 +420,7 @@ mod gpu {
             "split-weight" => s.partition = Some(SplitPlan { weight: 0.0, ..plan }),
             "warp" => s.partition = Some(SplitPlan { warp: Warp::Trapezoid, ..plan }),
             "focus" => s.partition = Some(SplitPlan { focus: 0.2, ..plan }),
+            "omni" => s.omni = OmniMaps::Paraboloids,
             "bleeding" => s.moments.bleeding = 0.4,
             "grazing" => s.moments.grazing = 20.0,
             "exponent" => s.moments.exponent = 8.0,
@@ -431,8 +433,7 @@ mod gpu {
             "finer" => s.pages.finer = 2,
             "density" => s.axes.density = DensityRule::Logarithmic,
             "stretch" => s.axes.stretch = 2,
-            // Of the renderer's memory and of what is written.
-            "memory-limit" | "list-start" | "looks" => return None,
+            "memory-limit" | "list-start" | "looks" => return None, // of memory, and of what is written
             _ => panic!("--{option} is new: set it here"),
         }
         Some(s)
@@ -492,8 +493,7 @@ mod gpu {
                 }
                 // How pairs come together, and a table of masks, may give the same picture.
                 let how = matches!(option, "pairs" | "projection" | "masks");
-                let name = method.name();
-                assert!(how || of(&changed, light) != same, "{name} takes --{option}, which changes nothing");
+                assert!(how || of(&changed, light) != same, "--{option} changes nothing of {}", method.name());
             }
         }
     }

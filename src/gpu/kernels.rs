@@ -7,17 +7,17 @@ pub mod axis_density {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/map_footprint",
-        "shared/raster/axis_table", "axis_density",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/facet/map_footprint", "shared/raster/axis_table", "axis_density",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, AXIS_CELLS = 1024,
-        WORKGROUP = 64, SHAPE_WORKGROUP = 256, EACH = 4, LEVELS = 11, NEAREST_WORD = 22528, REQUEST_WORDS = 22529,
-        ONE = 128, MOST = 131072, SPREAD = 4, REQUESTED = 0, LOGARITHMIC = 1,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        AXIS_CELLS = 1024, WORKGROUP = 64, SHAPE_WORKGROUP = 256, EACH = 4, LEVELS = 11, NEAREST_WORD = 22528,
+        REQUEST_WORDS = 22529, ONE = 128, MOST = 131072, SPREAD = 4, REQUESTED = 0, LOGARITHMIC = 1,
     }
     overrides! {
         density: u32 = 0, "DENSITY",
@@ -60,10 +60,10 @@ pub mod camera_visibility {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, WORKGROUP = 64, SETTLED = 2147483648,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, ALPHA_BILINEAR = 1,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64, SETTLED = 2147483648,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -137,13 +137,13 @@ pub mod candidate_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1,
-        TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8, BLOCK_SHIFT = 3,
-        NOTHING = 0, MATTERS = 1, COVERS = 2, WORKGROUP = 64, SEEN_BITS = 16, KNOWN = 2147483648,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0,
+        TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, BLOCK = 8,
+        BLOCK_SHIFT = 3, NOTHING = 0, MATTERS = 1, COVERS = 2, WORKGROUP = 64, SEEN_BITS = 16, KNOWN = 2147483648,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -244,9 +244,9 @@ pub mod compared_depths {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, MIDPOINT = 0, SECOND = 1, DUAL = 2,
-        WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, MIDPOINT = 0,
+        SECOND = 1, DUAL = 2, WORKGROUP = 64,
     }
     overrides! {
         rule: u32 = 0, "RULE",
@@ -274,9 +274,9 @@ pub mod deep_map {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, NO_PLACE = 16777215, WHOLE = 128,
-        WORKGROUP = 64, MOST_NODES = 15, ERROR_UNIT = 32768, TRIES = 8,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        NO_PLACE = 16777215, WHOLE = 128, WORKGROUP = 64, MOST_NODES = 15, ERROR_UNIT = 32768, TRIES = 8,
     }
     overrides! {
         sub: u32 = 4, "SUB",
@@ -301,16 +301,16 @@ pub mod deep_shadows {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/deep_nodes",
-        "deep_shadows",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/raster/deep_nodes", "deep_shadows",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, NO_PLACE = 16777215,
-        WHOLE = 128, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        NO_PLACE = 16777215, WHOLE = 128, WORKGROUP = 64,
     }
     overrides! {
         sub: u32 = 4, "SUB",
@@ -372,12 +372,12 @@ pub mod facet_classify {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
-        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, ROLE_UNSEEN = 65536,
-        WORKGROUP = 64, UNSURE_GROUPS = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256,
+        ROLE_UNSEEN = 65536, WORKGROUP = 64, UNSURE_GROUPS = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -442,9 +442,9 @@ pub mod front_layer {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8,
-        BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8,
+        HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "front_layer", "check", [64, 1, 1], SOURCE, () => Check, CheckProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -482,9 +482,9 @@ pub mod gbuffer_triangles {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
-        MOST = 128,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        FAULT_UNKNOWN = 2, MOST = 128,
     }
     entry_point! { "gbuffer_triangles", "count_layers", [64, 1, 1], SOURCE, () => CountLayers, CountLayersProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -564,14 +564,16 @@ pub mod history {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/view_choice", "history",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/facet/view_choice", "history",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64,
     }
     overrides! {
         reach: f32 = 1.0, "REACH",
@@ -624,16 +626,16 @@ pub mod kept_triangles {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/beside", "shared/alpha",
-        "kept_triangles",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/facet/beside", "shared/alpha", "kept_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, ALPHA_BILINEAR = 1,
-        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -670,10 +672,10 @@ pub mod light_layers {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64, NEAREST_TRIANGLE = 3,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64, NEAREST_TRIANGLE = 3,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -750,12 +752,12 @@ pub mod light_lists {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, REACH_NONE = 0, REACH_SOME = 1, REACH_ALL = 2, WORKGROUP = 64,
-        LIST_HEAD = 4, LIST_ENTRY = 18, TILE_LACKS = 2147483648,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, REACH_NONE = 0, REACH_SOME = 1, REACH_ALL = 2,
+        WORKGROUP = 64, LIST_HEAD = 4, LIST_ENTRY = 18, TILE_LACKS = 2147483648,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -817,9 +819,9 @@ pub mod map_moments {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 256, TILE = 32,
-        HALF = 16, LEVELS = 5,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        WORKGROUP = 256, TILE = 32, HALF = 16, LEVELS = 5,
     }
     overrides! {
         layers: u32 = 0, "LAYERS",
@@ -846,17 +848,17 @@ pub mod moment_shadows {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/front_split",
-        "shared/raster/moments", "moment_shadows",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/raster/front_split", "shared/raster/moments", "moment_shadows",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, QUERY_DEPTHS = 0,
-        QUERY_MEAN = 1, QUERY_BOTH = 2, QUERY_FOUR = 3, QUERY_LAYERS = 4, QUERY_WAVES = 5, MOST_PROBES = 16,
-        WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        QUERY_DEPTHS = 0, QUERY_MEAN = 1, QUERY_BOTH = 2, QUERY_FOUR = 3, QUERY_LAYERS = 4, QUERY_WAVES = 5,
+        MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
         layers: u32 = 0, "LAYERS",
@@ -899,10 +901,11 @@ pub mod page_casters {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024,
+        WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -943,15 +946,16 @@ pub mod page_query {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/page_tree", "page_query",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/raster/page_tree", "page_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5,
-        PAGE_TEXELS = 1024, WORKGROUP = 64, THIRDS = 3, TABLE_TAIL = 2,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64, THIRDS = 3, TABLE_TAIL = 2,
     }
     overrides! {
         page_base: u32 = 3, "PAGE_BASE",
@@ -982,16 +986,17 @@ pub mod page_requests {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/map_footprint",
-        "shared/raster/page_tree", "page_requests",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/facet/map_footprint", "shared/raster/page_tree", "page_requests",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5,
-        PAGE_TEXELS = 1024, WORKGROUP = 64, REQUEST_HEAD = 32, THIRDS = 3, TABLE_TAIL = 2,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64, REQUEST_HEAD = 32, THIRDS = 3,
+        TABLE_TAIL = 2,
     }
     overrides! {
         page_base: u32 = 3, "PAGE_BASE",
@@ -1018,6 +1023,47 @@ pub mod page_requests {
     }
 }
 
+/// `kernels/paraboloid_casters.wgsl`.
+pub mod paraboloid_casters {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
+        "shared/raster/work_items", "shared/raster/front_split", "shared/frame/facing", "shared/alpha",
+        "shared/roles", "shared/raster/paraboloid", "shared/frame/frame_copy", "paraboloid_casters",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64,
+    }
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+    }
+    entry_point! { "paraboloid_casters", "count", [64, 1, 1], SOURCE, Constants => Count, CountProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 points: Read<'a, [f32; 4]>,
+        3 curved_rects: Write<'a, [u32; 2]>,
+        4 curved_items: Write<'a, u32>,
+    } }
+    entry_point! { "paraboloid_casters", "raster", [64, 1, 1], SOURCE, Constants => Raster, RasterProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 triangles: Read<'a, [u32; 4]>,
+        2 points: Read<'a, [f32; 4]>,
+        5 boxes: Read<'a, [u32; 2]>,
+        6 work_offsets: Read<'a, u32>,
+        7 nearest_keys: Write<'a, u32>,
+    } }
+    entries! {
+        Count, Raster,
+    }
+}
+
 /// `kernels/pixel_counts.wgsl`.
 pub mod pixel_counts {
     use crate::entry_point;
@@ -1030,12 +1076,12 @@ pub mod pixel_counts {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4,
-        TALLY_TESTS = 5, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3,
+        TALLY_CUTS = 4, TALLY_TESTS = 5, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 1, "TILE_SHIFT",
@@ -1085,9 +1131,9 @@ pub mod pixel_coverage {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1122,8 +1168,9 @@ pub mod pixel_filter {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, NOWHERE = 4294967295,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        NOWHERE = 4294967295,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1154,10 +1201,10 @@ pub mod pixel_receivers {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2, GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2,
-        WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, MOST_STEPS = 4,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2, GIVEN_IDS = 4, NOTHING = 0,
+        SURFACE = 1, FAULT = 2, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, MOST_STEPS = 4,
     }
     entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1192,12 +1239,12 @@ pub mod pixel_texel_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
-        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256,
-        WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        MOST_SPLITS = 256, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -1276,9 +1323,9 @@ pub mod pixel_triangles {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "pixel_triangles", "cover", [64, 1, 1], SOURCE, () => Cover, CoverProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1371,15 +1418,16 @@ pub mod pixel_views {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/frame/facing",
-        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver",
-        "shared/facet/view_choice", "pixel_views",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/view_choice", "pixel_views",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64,
     }
     overrides! {
         reach: f32 = 1.0, "REACH",
@@ -1420,15 +1468,16 @@ pub mod polygon_ids {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/facet/beside", "polygon_ids",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/facet/beside", "polygon_ids",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
-        NAME = 2147483647,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64, NAME = 2147483647,
     }
     overrides! {
         lookups: u32 = 1, "LOOKUPS",
@@ -1542,12 +1591,12 @@ pub mod requested_blocks {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
-        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
-        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
-        MOST_WORDS = 1024,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
+        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
+        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256,
+        WORKGROUP = 64, MOST_WORDS = 1024,
     }
     overrides! {
         clamped: u32 = 2, "CLAMPED",
@@ -1581,11 +1630,11 @@ pub mod resolve {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -1628,13 +1677,13 @@ pub mod sample_bins {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1,
-        STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16,
-        WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1,
-        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, FREE = 0, BLOCKED = 1, DOUBTFUL = 2, CROWD = 2048,
-        WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0,
+        STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7,
+        WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, FREE = 0, BLOCKED = 1,
+        DOUBTFUL = 2, CROWD = 2048, WORKGROUP = 64, LANES = 8, MOST_SAMPLES = 2097152,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1778,11 +1827,11 @@ pub mod sample_surfaces {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64, SEVERAL = 2147483648,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64, SEVERAL = 2147483648,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -1883,9 +1932,9 @@ pub mod seen_depths {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "seen_depths", "gather", [64, 1, 1], SOURCE, () => Gather, GatherProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1906,17 +1955,17 @@ pub mod seen_texels {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/spsm/seen_texels",
-        "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border",
-        "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "seen_texels",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/spsm/seen_texels", "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/spsm_sheet",
+        "shared/spsm/spsm_border", "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "seen_texels",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, SEEN_WON = 0,
-        SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
         EMPTY_WORD = 4294967295, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2,
         CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
@@ -1966,14 +2015,15 @@ pub mod shadow_map {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shadow_map",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver", "shadow_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64,
     }
     overrides! {
         kernel: u32 = 1, "KERNEL",
@@ -2013,13 +2063,13 @@ pub mod shadow_rays {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000, INNER = 4278190080,
-        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, FREE = 0, BLOCKED = 1,
-        DOUBTFUL = 2, TESTED = 2147483648, WORK_HEAD = 4, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, STACK = 24, MOST_STEPS = 60000,
+        INNER = 4278190080, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, FREE = 0,
+        BLOCKED = 1, DOUBTFUL = 2, TESTED = 2147483648, WORK_HEAD = 4, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -2096,14 +2146,16 @@ pub mod silhouette_map {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "silhouette_map",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "silhouette_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64,
     }
     overrides! {
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -2138,9 +2190,10 @@ pub mod silhouette_mask {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64,
+        WORKGROUP = 64,
     }
     entry_point! { "silhouette_mask", "classify", [64, 1, 1], SOURCE, () => Classify, ClassifyProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2179,9 +2232,9 @@ pub mod silhouette_points {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64,
     }
     entry_point! { "silhouette_points", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2205,15 +2258,16 @@ pub mod smsr {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "smsr/map_borders", "smsr",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "smsr/map_borders", "smsr",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, WORKGROUP = 64, DARK = 0,
-        LIT = 1, SEVERAL = 2,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
     }
     overrides! {
         bias_slope: f32 = 0.5, "BIAS_SLOPE",
@@ -2279,9 +2333,9 @@ pub mod spsm_map {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8,
-        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
         SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
@@ -2370,9 +2424,9 @@ pub mod spsm_map_64 {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, BLOCK = 8,
-        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1,
         SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
@@ -2428,19 +2482,19 @@ pub mod spsm_query {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/cross_sign",
         "shared/spsm/spsm_record", "shared/spsm/seen_texels", "shared/math/divide", "shared/frame/pixel_ray",
-        "shared/roles", "shared/facet/receiver", "shared/spsm/spsm_sheet", "shared/spsm/spsm_border",
-        "spsm_query/spsm_search", "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle",
-        "spsm_query/spsm_recovery", "spsm_query",
+        "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver", "shared/spsm/spsm_sheet",
+        "shared/spsm/spsm_border", "spsm_query/spsm_search", "shared/spsm/spsm_footprint",
+        "shared/spsm/spsm_settle", "spsm_query/spsm_recovery", "spsm_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3,
-        SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1,
-        SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1, CLASS_LIT = 2,
-        CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2,
+        SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8, ROLE_UNSEEN = 65536, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, BEHIND = 0, BEFORE = 1, EITHER = 2, CLASS_EMPTY = 0, CLASS_DARK = 1,
+        CLASS_LIT = 2, CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -2634,8 +2688,9 @@ pub mod triangle_ids {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64, FAULT_UNKNOWN = 2,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        FAULT_UNKNOWN = 2,
     }
     entry_point! { "triangle_ids", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2663,9 +2718,10 @@ pub mod triangle_setup {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, ROLE_UNSEEN = 65536, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, ROLE_UNSEEN = 65536,
+        WORKGROUP = 64,
     }
     entry_point! { "triangle_setup", "setup_camera", [64, 1, 1], SOURCE, () => SetupCamera, SetupCameraProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2704,9 +2760,9 @@ pub mod triangle_texel_pairs {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8,
-        BLOCK_SHIFT = 3, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, STRIDE = 8,
+        HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -2790,8 +2846,8 @@ pub mod vertex_project {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
     }
     entry_point! { "vertex_project", "place", [64, 1, 1], SOURCE, () => Place, PlaceProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2824,13 +2880,14 @@ pub mod visibility_masks {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FACET_ALONE = 16777216,
-        FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
-        STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
-        FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0, TALLY_CANDIDATES = 1,
-        TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64, CUT_GROUPS = 256,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040,
+        FACET_ALONE = 16777216, FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2,
+        STATE_SHADOWED = 3, STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32,
+        WAS_MERGED = 8, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, SEEN = 65536, TALLY_PAIRS = 0,
+        TALLY_CANDIDATES = 1, TALLY_DOUBTS = 2, TALLY_LONGEST = 3, TALLY_CUTS = 4, TALLY_TESTS = 5,
+        ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64,
+        CUT_GROUPS = 256,
     }
     overrides! {
         samples: u32 = 32, "SAMPLES",
@@ -2894,8 +2951,8 @@ pub mod visibility_texture {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, WORKGROUP = 64,
     }
     overrides! {
         bits: u32 = 32, "BITS",
@@ -2957,10 +3014,10 @@ pub mod warped_casters {
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3,
-        STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1,
-        ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, AXIS_CELLS = 1024, WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, BLOCK = 8,
+        BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1,
+        ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, AXIS_CELLS = 1024, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -2996,16 +3053,16 @@ pub mod warped_query {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/facet/receiver", "shared/raster/axis_table",
-        "warped_query",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/raster/axis_table", "warped_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
-        FLAG_ENDS = 1024, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768,
-        FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2, AXIS_CELLS = 1024,
-        WORKGROUP = 64,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_NOTHING_CASTS = 16384, FLAG_BACKS_HIDDEN = 131072,
+        FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
+        BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
+        AXIS_CELLS = 1024, WORKGROUP = 64,
     }
     overrides! {
         bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
@@ -3071,6 +3128,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("page_casters", page_casters::SOURCE, page_casters::ENTRIES),
     ("page_query", page_query::SOURCE, page_query::ENTRIES),
     ("page_requests", page_requests::SOURCE, page_requests::ENTRIES),
+    ("paraboloid_casters", paraboloid_casters::SOURCE, paraboloid_casters::ENTRIES),
     ("pixel_counts", pixel_counts::SOURCE, pixel_counts::ENTRIES),
     ("pixel_coverage", pixel_coverage::SOURCE, pixel_coverage::ENTRIES),
     ("pixel_filter", pixel_filter::SOURCE, pixel_filter::ENTRIES),

@@ -3,15 +3,12 @@
 use super::casters::clip;
 use super::fit::{axes, check};
 use super::points::MeshAndTree;
-use super::{LightView, Window};
+use super::{LightView, WIDER, Window};
 use crate::Result;
 use crate::scene::mesh_tree::{Bounds, MeshTree, Which};
 use crate::scene::{Light, Mesh};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-
-/// Share of its width by which a view is wider than a side or a cone: what lies on an edge of the cube lies well inside both views.
-const WIDER: f64 = 1.0 + 1.0 / 64.0;
 
 /// Half the width of a side's view at distance 1.
 const HALF: f64 = WIDER;

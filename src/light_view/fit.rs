@@ -167,6 +167,7 @@ impl LightView {
             ends: [false; 4],
             closed: false,
             outside: false,
+            paraboloid: None,
         }
     }
 
@@ -213,6 +214,7 @@ impl LightView {
             ends: [false; 4],
             closed: false,
             outside: false,
+            paraboloid: None,
         }
     }
 }

@@ -53,7 +53,9 @@ impl MapTiles {
         }
         let last = self.across - 1;
         let parts = |view: LightView| {
-            let place = move |k: u32| f64::from(k * self.texels) * view.w;
+            // The place of a paraboloid view is told by the fourth of its rows.
+            let w = if view.paraboloid.is_some() { glam::DVec4::W } else { view.w };
+            let place = move |k: u32| f64::from(k * self.texels) * w;
             let part = move |(x, y)| LightView {
                 u: view.u - place(x),
                 v: view.v - place(y),

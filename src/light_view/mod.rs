@@ -1,18 +1,22 @@
 //! The light view: which part of the scene the light's map covers.
 
 mod casters;
+mod clusters;
 mod cube;
 mod faces;
 mod fit;
 mod map_tiles;
+mod paraboloid;
 mod points;
 mod seen_box;
+mod split_plan;
 mod splits;
 
 pub use map_tiles::MapTiles;
+pub use paraboloid::OmniMaps;
 pub(crate) use points::MeshAndTree;
 use seen_box::SeenBox;
-pub use splits::{PartBy, SplitPlan, Warp};
+pub use split_plan::{PartBy, SplitPlan, Warp};
 
 use glam::{DMat4, DVec3, DVec4};
 
@@ -52,7 +56,13 @@ pub struct LightView {
     /// space is not shadowed by it.) Fitting leaves it `false`;
     /// [`Settings::light_views`](crate::methods::Settings::light_views) says it.
     pub outside: bool,
+    /// Where the light is, of a [paraboloid view](LightView::paraboloids). Of a point `d` away from it, as far as `D`, texel `x` is
+    /// `u.w + u·d / (D + w·d)`, likewise `y`, and depth `D` times `z.w`.
+    pub paraboloid: Option<DVec3>,
 }
+
+/// Share of its width by which a view is wider than a side of a cube or a cone: what lies on an edge of the cube lies well inside both views.
+const WIDER: f64 = 1.0 + 1.0 / 64.0;
 
 /// How far conservative tests in a view reach out, so that rounding in `f32` takes nothing from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,11 +109,17 @@ impl LightView {
     pub const LARGEST_MAP: u32 = 8192;
 
     fn is_in_front(&self, point: DVec3) -> bool {
+        if self.paraboloid.is_some() {
+            return self.project(point).is_some();
+        }
         self.w.dot(point.extend(1.0)) > self.near
     }
 
     /// Texel `x`, `y` and depth of `point`; `None` if it is not in front of the light.
     pub fn project(&self, point: DVec3) -> Option<DVec3> {
+        if let Some(at) = self.paraboloid {
+            return self.project_paraboloid(at, point);
+        }
         let p = point.extend(1.0);
         let w = self.w.dot(p);
         (w > self.near).then(|| DVec3::new(self.u.dot(p), self.v.dot(p), self.z.dot(p)) / w)
@@ -121,6 +137,11 @@ impl LightView {
     /// The same rows for points given as `(world - origin) * scale`, which are taken to lie within the unit cube. The
     /// nearest divisor may grow: see [`LightView::noise_in_texels`].
     pub fn relative_to(&self, origin: DVec3, scale: f64) -> Self {
+        if let Some(at) = self.paraboloid {
+            // Directions are the same, and distances `scale` times as long.
+            let paraboloid = Some((at - origin) * scale);
+            return Self { z: self.z / scale, near: self.near * scale, clear: self.clear * scale, paraboloid, ..*self };
+        }
         let back = DMat4::from_translation(origin) * DMat4::from_scale(DVec3::splat(1.0 / scale));
         let turn = |row: DVec4| back.transpose() * row;
         // The divisor is kept in scaled units, and with it all four rows.
@@ -139,6 +160,15 @@ impl LightView {
             moved.near = moved.near.max(4.0 * moved.noise_in_texels().max(64.0 * moved.noise_in_depth()));
         }
         moved
+    }
+
+    /// Nearest divisor for methods whose answers are not exact, in the space of an eye: what lies nearer casts nothing, which is worse than corners that
+    /// rounding moves by some texels.
+    #[cfg(feature = "baselines")]
+    pub(crate) fn nearest_of_maps(&self, eye: DVec3, bounds: (DVec3, DVec3)) -> f32 {
+        let scale = unit_scale(eye, bounds);
+        let fitted = self.near * if self.perspective { scale } else { 1.0 };
+        (self.relative_to(eye, scale).near / 64.0).max(fitted) as f32
     }
 
     /// Bound of the rounding in `f32` of a texel coordinate of points within the unit cube, times the divisor.

@@ -4,117 +4,13 @@
 //!
 //! A warp is a projective map of the texels of the whole view. Depth stays that of the whole view (Oliveira, section 3.2.3).
 
-use super::{LightView, SeenBox, unit_scale};
+use super::{LightView, PartBy, SeenBox, SplitPlan, Warp, unit_scale};
 use crate::scene::Camera;
-use crate::{Error, Result};
 use glam::{DMat3, DVec2, DVec3, DVec4};
-
-/// How the texels of a map lie over what is seen of a slice.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Warp {
-    /// Evenly, over the whole view, whatever is seen.
-    Whole,
-    /// Evenly, over the box around what is seen.
-    Box,
-    /// Evenly, over a square around the sphere that holds the slice, whose size changes by steps and whose place by whole texels: while the
-    /// camera moves, what stands keeps its texels (Valient 2008: Stable Rendering of Cascaded Shadow Maps, in ShaderX6).
-    Stable,
-    /// Over a trapezoid around it: the first part of the slice, a share of its depth, gets 80 % of the rows, as far as the last row
-    /// is not stretched beyond what depths in it can be told by their slope.
-    Trapezoid,
-    /// As [`Warp::Trapezoid`], by the distance of the centre of projection that is best for a frustum and a light from the side.
-    LightSpace,
-    /// As [`Warp::LightSpace`], from the eye itself, as perspective shadow maps see the scene (Stamminger, Drettakis 2002; Scherzer 2011,
-    /// section 4.2.2): texels keep their size beside pixels of a view across the light, and far from the eye are the largest of all.
-    Perspective,
-    /// As makes texels the smallest beside pixels, in the mean over what is seen: by the best distance of the centre of projection,
-    /// or evenly over the box.
-    #[default]
-    Fitted,
-}
-
-/// The parts of what the camera sees that have a view of the light each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PartBy {
-    /// Slices by depth.
-    #[default]
-    Depth,
-    /// Slices of the depths that pixels see (Lauritzen, Salvi, Lefohn 2010: Sample Distribution Shadow Maps), told by the frame before
-    /// ([`Inputs::depths`](crate::pass::Inputs::depths)); [`PartBy::Depth`] where nothing told them.
-    SeenDepth,
-    /// The faces of the view frustum that the light enters by, or leaves by where it stands in front of the camera: up to four, each with the part
-    /// of the view whose light passes it (Kozlov 2004; Lloyd et al. 2006). One part where the light is in the frustum.
-    FrustumFaces,
-}
-
-/// View that is cut, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SplitPlan {
-    /// Kind of the parts.
-    pub by: PartBy,
-    /// Slices of the view, 1 to [`SplitPlan::MOST`]; 1 of other parts than slices.
-    pub splits: u32,
-    /// How each is seen.
-    pub warp: Warp,
-    /// Share of a slice's depth, from its near side, that [`Warp::Trapezoid`] gives 80 % of the rows.
-    pub focus: f64,
-    /// Where slices end: 1 for depths that grow by a factor from slice to slice, 0 for slices of one length, between them for a mean of
-    /// both (the practical scheme of Zhang et al. 2006).
-    pub weight: f64,
-}
-
-impl Default for SplitPlan {
-    /// One slice, fitted.
-    fn default() -> Self {
-        Self { by: PartBy::Depth, splits: 1, warp: Warp::default(), focus: Self::FOCUS, weight: Self::WEIGHT }
-    }
-}
-
-impl SplitPlan {
-    /// Most slices, and most parts.
-    pub const MOST: u32 = 4;
-    /// The focus where none is told.
-    pub const FOCUS: f64 = 0.6;
-    /// The weight where none is told.
-    pub const WEIGHT: f64 = 0.5;
-
-    /// Checks the values against what is possible.
-    ///
-    /// # Errors
-    /// [`Error::Config`] with the numbers.
-    pub fn check(&self) -> Result<()> {
-        let Self { by, splits, warp, focus, weight } = *self;
-        let most = Self::MOST;
-        if by == PartBy::FrustumFaces && splits != 1 {
-            return Err(Error::Config(format!(
-                "{splits} splits of a view in faces of its frustum; slices alone are counted"
-            )));
-        }
-        if by == PartBy::FrustumFaces && warp == Warp::Stable {
-            return Err(Error::Config("stable maps of faces of the frustum; slices alone have them".to_owned()));
-        }
-        if !(1..=most).contains(&splits) {
-            return Err(Error::Config(format!("{splits} splits of the view; 1 to {most} are possible")));
-        }
-        if !(focus > 0.0 && focus <= 1.0) {
-            let text = format!("a focus on the first {focus} of a slice; more than 0, up to 1, is possible");
-            return Err(Error::Config(text));
-        }
-        if !(0.0..=1.0).contains(&weight) {
-            return Err(Error::Config(format!("slices that grow by a weight of {weight}; 0 to 1 are possible")));
-        }
-        Ok(())
-    }
-
-    /// Whether there may be several views.
-    pub fn is_several(&self) -> bool {
-        self.splits > 1 || self.by == PartBy::FrustumFaces
-    }
-}
 
 /// The light's view of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct SplitView {
+pub(super) struct SplitView {
     /// The part of the scene seen in it.
     seen: SeenBox,
 
@@ -145,27 +41,21 @@ impl LightView {
     /// The views of all slices of what is seen, near to far, whose rows take points of the space of this view's, the space of `seen`.
     /// The last has no end. One slice at the least, [`SplitPlan::MOST`] at most. Each begins before the end of the one in front of it by a
     /// share `overlap` of its depth. `told`: depths that pixels see; with an overlap slices hold these alone.
-    fn split(&self, seen: &SeenBox, plan: &SplitPlan, overlap: f64, told: Option<[f64; 2]>) -> Vec<SplitView> {
+    pub(super) fn split(
+        &self,
+        seen: &SeenBox,
+        plan: &SplitPlan,
+        overlap: f64,
+        told: Option<[f64; 2]>,
+    ) -> Vec<SplitView> {
         let splits = plan.splits.clamp(1, SplitPlan::MOST);
-        let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
-        let all = seen.part(self, seen.near, farthest.max(seen.near));
-        let depths = all.iter().map(|p| p.dot(seen.forward));
-        let (near, far) = depths.fold((f64::INFINITY, 0.0f64), |(lo, hi), d| (lo.min(d), hi.max(d)));
-        if plan.warp == Warp::Whole || near > far {
+        let depths = self.seen_depths(seen).filter(|_| plan.warp != Warp::Whole);
+        let Some([near, far]) = depths else {
             return vec![split_view(self, seen, DMat3::IDENTITY, f64::INFINITY); splits as usize];
-        }
-        let near = near.max(seen.near);
+        };
         if plan.by == PartBy::FrustumFaces {
-            let of_face = |face: SeenBox| {
-                let range = face.range(self, near, far.max(near))?;
-                Some(SplitView { range, end: f64::INFINITY, ..self.slice(&face, plan, range, 0.0) })
-            };
-            let mut views: Vec<SplitView> = seen.faces(self, overlap).into_iter().filter_map(of_face).collect();
-            // A place that several hold asks the one that spreads least.
-            views.sort_by(|a, b| self.spread(a.warp).total_cmp(&self.spread(b.warp)));
-            return views;
+            return self.of_parts(seen.faces(self, overlap), plan, [near, far]);
         }
-        let far = far.max(near);
         // Pixel centres told them: samples see somewhat more.
         let around = |[first, last]: [f64; 2]| {
             [first * (1.0 - LightView::OVERLAP), last * (1.0 + LightView::OVERLAP)].map(|d| d.clamp(near, far))
@@ -190,6 +80,24 @@ impl LightView {
         views
     }
 
+    /// Between which depths what is seen lies in the view; `None` if nothing does.
+    pub(super) fn seen_depths(&self, seen: &SeenBox) -> Option<[f64; 2]> {
+        let farthest = seen.box_corners().map(|p| p.dot(seen.forward)).fold(0.0, f64::max) * (1.0 + 1e-9);
+        let [near, far] = seen.range(self, seen.near, farthest.max(seen.near))?;
+        Some([near, far.max(near)])
+    }
+
+    /// The views of parts of what is seen between two depths, those that spread least first: a place that several hold asks the first.
+    pub(super) fn of_parts(&self, parts: Vec<SeenBox>, plan: &SplitPlan, [near, far]: [f64; 2]) -> Vec<SplitView> {
+        let of_part = |part: SeenBox| {
+            let range = part.range(self, near, far)?;
+            Some(SplitView { range, end: f64::INFINITY, ..self.slice(&part, plan, range, 0.0) })
+        };
+        let mut views: Vec<SplitView> = parts.into_iter().filter_map(of_part).collect();
+        views.sort_by(|a, b| self.spread(a.warp).total_cmp(&self.spread(b.warp)));
+        views
+    }
+
     /// A view of this light for each slice of what a camera sees between two corners of a box, near to far, in world units as this one's
     /// rows are: together they hold every point there that this view holds. Depth along a ray of light still grows, as the divisor of a
     /// warp is the same all along it. Of a light at a point texels lie evenly. Texels are no smaller than single precision tells points apart:
@@ -205,6 +113,21 @@ impl LightView {
         plan: &SplitPlan,
         overlap: f64,
         depths: Option<[f32; 2]>,
+    ) -> Vec<LightView> {
+        self.views_of(camera, size, bounds, plan, |whole, seen, plan, (_, scale)| {
+            let depths = depths.map(|depths| depths.map(|depth| f64::from(depth) * scale));
+            whole.split(seen, plan, overlap, depths)
+        })
+    }
+
+    /// The views of parts of what a camera sees, which `parts` makes in a space of an eye and a scale; see [`LightView::slices`].
+    pub(super) fn views_of(
+        &self,
+        camera: &Camera,
+        size: [u32; 2],
+        bounds: (DVec3, DVec3),
+        plan: &SplitPlan,
+        parts: impl Fn(&LightView, &SeenBox, &SplitPlan, (DVec3, f64)) -> Vec<SplitView>,
     ) -> Vec<LightView> {
         let rays = camera.rays(size[0], size[1]);
         let scale = unit_scale(rays.eye, bounds);
@@ -259,8 +182,7 @@ impl LightView {
                 Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
             }
         };
-        let depths = depths.map(|depths| depths.map(|depth| f64::from(depth) * scale));
-        whole.split(&seen, &plan, overlap, depths).into_iter().map(coarse_enough).collect()
+        parts(&whole, &seen, &plan, (rays.eye, scale)).into_iter().map(coarse_enough).collect()
     }
 
     /// The view of what is seen between two view depths, whose warp is that of the plan and, by a power of 2, `weaker`.

@@ -117,6 +117,11 @@ pub trait FixedMethod: Send + Sync {
         false
     }
 
+    /// Whether casters are brought into the light's view before it, as points of a plane.
+    fn projects_casters(&self) -> bool {
+        true
+    }
+
     /// How long its lists are.
     fn capacities(&self) -> Capacities {
         Capacities::NONE
@@ -201,15 +206,6 @@ pub struct FixedMemory {
     by_views: Option<ByViews>,
     history: Option<MethodHistory>,
     views: usize,
-}
-
-/// Nearest divisor of a view for methods whose answers are not exact: what lies nearer casts nothing, which is worse than corners that
-/// rounding moves by some texels.
-fn nearest(view: &LightView, bounds: (DVec3, DVec3), camera: &Camera) -> f32 {
-    let eye = camera.rays(1, 1).eye;
-    let scale = unit_scale(eye, bounds);
-    let fitted = view.near * if view.perspective { scale } else { 1.0 };
-    (view.relative_to(eye, scale).near / 64.0).max(fitted) as f32
 }
 
 impl FixedMemory {
@@ -363,7 +359,7 @@ impl FixedMemory {
             }
             [frame.given_origin, frame.target_origin] = origins;
             if let AskedViews::One(_) = self.method.asks() {
-                frame.light_low[3] = nearest(view, bounds, camera);
+                frame.light_low[3] = view.nearest_of_maps(camera.rays(1, 1).eye, bounds);
             }
             let mut uploads = Uploads::default();
             uploads.write(&self.frame, &[frame]);
@@ -377,7 +373,7 @@ impl FixedMemory {
         let scale = unit_scale(rays.eye, bounds);
         // In front of a view is what its run takes to be there.
         let relative = |view: &LightView| {
-            let near = f64::from(nearest(view, bounds, camera));
+            let near = f64::from(view.nearest_of_maps(rays.eye, bounds));
             LightView { near, ..view.relative_to(rays.eye, scale) }
         };
         let relative: Vec<LightView> = asked.iter().map(relative).collect();
@@ -410,8 +406,12 @@ impl FixedMemory {
             if let Some(uploads) = view.checked_sub(1).and_then(|k| further.get(k as usize)) {
                 uploads.record(rec);
             }
-            let of = if view == 0 { SetupOf::Both } else { SetupOf::Light };
-            geometry.record_setup(rec, with, frame, casters, of)?;
+            let of = match (view, method.projects_casters()) {
+                (0, true) => Some(SetupOf::Both),
+                (0, false) => Some(SetupOf::Camera),
+                (_, projects) => projects.then_some(SetupOf::Light),
+            };
+            of.map_or(Ok(()), |of| geometry.record_setup(rec, with, frame, casters, of))?;
             match source {
                 _ if view > 0 => {}
                 _ if method.finds_surfaces() => {}

@@ -8,7 +8,7 @@ pub use rows::METHODS;
 
 use super::settings::Settings;
 pub use super::texel_query::{MapQuery, TexelQuery};
-use crate::light_view::{LightView, SplitPlan};
+use crate::light_view::{LightView, OmniMaps, SplitPlan};
 use crate::{Error, Result};
 
 /// The methods by their names, the same in API, program, reports and files.
@@ -128,6 +128,11 @@ impl MethodName {
             }),
             (told, own) => told.or(own),
         }
+    }
+
+    /// Maps of a light at a point that it takes with these settings.
+    pub fn omni(self, settings: &Settings) -> OmniMaps {
+        if self.takes("omni") { settings.omni } else { OmniMaps::default() }
     }
 
     /// The settings with the map as it is made for the method: of `deep` with every sub-texel.

@@ -5,6 +5,7 @@ use crate::gpu::Buffer;
 use crate::light_view::MeshAndTree;
 use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
+use crate::scene::objects::object_boxes;
 use crate::scene::{AlphaTested, Camera, Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
 use glam::DVec3;
@@ -12,6 +13,9 @@ use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, OnceLock};
+
+/// Most objects that are told apart.
+const MOST_OBJECTS: usize = 64;
 
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +42,8 @@ pub struct Prepared {
 pub(crate) struct KnownFacts {
     /// Whether all vertices lie in one plane.
     pub in_one_plane: OnceLock<bool>,
+    /// Boxes of its objects.
+    pub objects: OnceLock<Vec<(DVec3, DVec3)>>,
     /// A triangle that may show eye and light the same side.
     pub facing_both: Counterexample,
     /// One that may not.
@@ -100,6 +106,11 @@ impl Prepared {
             tree: OnceLock::new(),
             known: KnownFacts::default(),
         })
+    }
+
+    /// Boxes that hold its connected parts, no more than 64 of one or several each: found once.
+    pub fn objects(&self) -> &[(DVec3, DVec3)] {
+        self.known.objects.get_or_init(|| object_boxes(&self.mesh, MOST_OBJECTS))
     }
 
     /// Its triangles that are alpha-tested, by their numbers here.

@@ -8,7 +8,7 @@ pub use super::texel_settings::{
     DeepSettings, DiscFilter, MomentSettings, PolygonIdSettings, ReconstructableSettings, ShadowMapSettings,
     SmsrSettings, SmsrShape,
 };
-use crate::light_view::{LightView, MapTiles, PartBy, Receivers, SplitPlan};
+use crate::light_view::{LightView, MapTiles, OmniMaps, PartBy, Receivers, SplitPlan};
 use crate::mask_table::MaskVariant;
 use crate::pixel_filter::PixelFilter;
 use crate::samples::Samples;
@@ -182,6 +182,8 @@ pub struct Settings {
     /// in the first view that holds all of it, else in all that it touches. A light among its casters has a cube of views instead. With the
     /// methods of one receiver a pixel each pixel asks the first view that holds it.
     pub partition: Option<SplitPlan>,
+    /// Maps of a light at a point, of the methods that take the option.
+    pub omni: OmniMaps,
     /// Settle facets before evaluation; without it all go the exact way.
     pub settle: bool,
     /// Count the work of each pixel ([`PixelCounts`](crate::stages::pixel_counts::PixelCounts)), for [`Target::counts`](crate::pass::Target::counts): of
@@ -254,7 +256,7 @@ impl Settings {
 
     /// These views of the light, or those of the [slices](Settings::partition) of what a camera sees between two corners of a box. `beyond`:
     /// receivers may lie outside that box. `one`: a pixel asks one view, so slices overlap. `depths`: view depths between which pixels see anything,
-    /// where that is known.
+    /// where that is known; `objects`: boxes that hold all receivers, or none.
     pub fn in_slices(
         &self,
         views: Vec<LightView>,
@@ -262,14 +264,18 @@ impl Settings {
         bounds: (DVec3, DVec3),
         (beyond, one): (bool, bool),
         depths: Option<[f32; 2]>,
+        objects: &[(DVec3, DVec3)],
     ) -> Vec<LightView> {
         let (Some(plan), &[view]) = (&self.partition, &views[..]) else { return views };
         // A cone is cut no further.
         if !view.complete || view.one_of_several {
             return views;
         }
-        let mut slices =
-            view.slices(camera, self.size, bounds, plan, if one { LightView::OVERLAP } else { 0.0 }, depths);
+        let overlap = if one { LightView::OVERLAP } else { 0.0 };
+        let mut slices = match (plan.by, objects) {
+            (PartBy::ReceiverClusters, [_, ..]) => view.clusters(camera, self.size, bounds, plan, objects),
+            _ => view.slices(camera, self.size, bounds, plan, overlap, depths),
+        };
         // The whole view holds what no slice does: one facet a pixel goes on beyond what is seen, and of facets what comes nearer to a light
         // at a point than its view tells apart is on no map.
         if beyond || (view.perspective && !one) || (self.facets == FacetMode::One && self.samples.count() > 1) {
@@ -296,6 +302,21 @@ impl Settings {
     /// Whether casters of closed bodies that face away from the light are left out of everything.
     pub fn leaves_backs_out(&self) -> bool {
         self.cull_back && !self.keeps_validity()
+    }
+
+    /// Refuses what goes with maps on planes alone.
+    fn check_omni(&self) -> Result<()> {
+        let refused = match self.omni {
+            OmniMaps::Planes => None,
+            OmniMaps::Paraboloids if self.partition.is_some() => Some("slices and warps are"),
+            OmniMaps::Paraboloids if self.shadow_map.compared.is_some() => Some("another depth than the nearest is"),
+            OmniMaps::Paraboloids if self.history.is_some() => Some("a history of frames is"),
+            OmniMaps::Paraboloids => None,
+        };
+        match refused {
+            Some(what) => Err(Error::Config(format!("paraboloid maps: {what} of maps on planes"))),
+            None => Ok(()),
+        }
     }
 
     /// Texels of the light-view map.
@@ -327,6 +348,7 @@ impl Settings {
             pairs: PairVariant::default(),
             projection: ProjectionVariant::Pencil,
             partition: None,
+            omni: OmniMaps::default(),
             settle: true,
             count_pixels: false,
             spsm: SpsmSettings::default(),
@@ -366,6 +388,7 @@ impl Settings {
             }
         }
         self.partition.map_or(Ok(()), |plan| plan.check())?;
+        self.check_omni()?;
         self.spsm.check()?;
         self.reconstructable.check()?;
         self.polygon_ids.check()?;

@@ -13,15 +13,24 @@ use super::fixed_memory::{AskedViews, FixedMethod, FrameInputs, MethodParts, Sta
 use super::names::MapQuery;
 use super::settings::{DiscFilter, MomentSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape};
 use crate::gpu::{Buffer, Gpu, Recorder, Uploads};
+use crate::light_view::OmniMaps;
 use crate::stages::PrimaryHits;
 use crate::stages::compared_depths::ComparedDepths;
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::map_moments::{MapLevels, MapMoments, MomentMeasures};
 use crate::stages::moment_shadows::{MapWithMoments, MomentShadows, MomentShadowsOptions};
+use crate::stages::paraboloid_casters::{CurvedWork, ParaboloidCasters};
 use crate::stages::shadow_map::{ShadowMap, ShadowMapOptions};
 use crate::stages::smsr::{Smsr, SmsrOptions};
 use crate::tap_disc::{DiscWords, disc_words};
 use crate::{Error, Result};
+
+/// Where the texels lie that casters come to.
+#[derive(Debug)]
+enum Casters {
+    Plane(LightLayers),
+    Paraboloid(Box<(ParaboloidCasters, CurvedWork)>),
+}
 
 #[derive(Debug)]
 enum Ask {
@@ -98,7 +107,7 @@ pub struct ShadowMapping {
     reach: f32,
     /// Texels of the map a side.
     size: u32,
-    layers: LightLayers,
+    casters: Casters,
     compared: Option<ComparedDepths>,
     map: Layers,
     ask: Ask,
@@ -111,7 +120,7 @@ impl ShadowMapping {
     /// # Errors
     /// [`crate::Error::Config`] for impossible settings; as [`Buffer::storage`].
     pub fn new(parts: MethodParts, query: MapQuery) -> Result<Self> {
-        let MethodParts { device, settings, .. } = parts;
+        let MethodParts { device, queue, casters, settings, .. } = parts;
         settings.check()?;
         let compared = settings.shadow_map.compared.filter(|_| query.compares_depths());
         let size = settings.map as usize;
@@ -126,7 +135,13 @@ impl ShadowMapping {
                 _ => 2.0,
             },
             size: settings.map,
-            layers: layers(device, settings.alpha_tested),
+            casters: match settings.omni {
+                OmniMaps::Planes => Casters::Plane(layers(device, settings.alpha_tested)),
+                OmniMaps::Paraboloids => {
+                    let work = CurvedWork::new(device, queue, casters.triangles.len(), settings.map)?;
+                    Casters::Paraboloid(Box::new((ParaboloidCasters::new(device, settings.alpha_tested), work)))
+                }
+            },
             map: if compared.is_some() {
                 Layers::without_marks(device, size)?
             } else {
@@ -149,6 +164,10 @@ impl FixedMethod for ShadowMapping {
         AskedViews::One(self.reach)
     }
 
+    fn projects_casters(&self) -> bool {
+        matches!(self.casters, Casters::Plane(_))
+    }
+
     fn upload(&self, uploads: &mut Uploads, of: FrameInputs) -> Result<()> {
         match &self.ask {
             Ask::Depths(ask) => uploads.write(&ask.disc, &ask.taps),
@@ -167,8 +186,18 @@ impl FixedMethod for ShadowMapping {
         let (nearest_keys, visibility) = (&self.map.nearest_keys, &self.visibility);
         rec.clear(nearest_keys.raw());
         rec.clear(self.map.second_keys.raw());
-        let blocks = geometry.in_light(inputs.casters);
-        self.layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
+        match &self.casters {
+            Casters::Plane(layers) => {
+                let blocks = geometry.in_light(inputs.casters);
+                layers.record(&mut rec.stage("light_layers"), frame, blocks, &self.map);
+            }
+            Casters::Paraboloid(of) => {
+                let (casters, work) = &**of;
+                let mesh = (&inputs.casters.triangles, &geometry.points);
+                let stage = &mut rec.stage("paraboloid_casters");
+                casters.record(stage, frame, mesh, work, (nearest_keys, self.size))?;
+            }
+        }
         if let Some(compared) = &self.compared {
             compared.record(&mut rec.stage("compared_depths"), frame, &self.map, self.size);
         }

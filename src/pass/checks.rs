@@ -109,7 +109,7 @@ pub fn settled(wanted: &Settings, method: MethodName) -> Settings {
         false => Settings { facets: FacetMode::One, ..wanted.clone() },
     };
     let proved = wanted.validity || wanted.samples.count() == 1 || wanted.facets == FacetMode::All;
-    Settings { cull_back: true, settle: wanted.settle && proved, ..wanted.clone() }
+    Settings { cull_back: true, settle: wanted.settle && proved, omni: method.omni(wanted), ..wanted.clone() }
 }
 
 /// Whether the method's tree of the casters is made once.

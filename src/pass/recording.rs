@@ -75,10 +75,11 @@ impl ShadowPass {
         let bounds = self.check(inputs, target)?;
         let settings = self.image.method.view_settings(&self.settings);
         let views = self.views.of(inputs, &self.casters, &settings, bounds)?;
+        let objects = self.objects_of(inputs, &settings);
+        let one = self.image.method.asks_one();
         // These may show what lies beside the casters.
         let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
-        let views =
-            settings.in_slices(views, inputs.camera, bounds, (beyond, self.image.method.asks_one()), inputs.depths);
+        let views = settings.in_slices(views, inputs.camera, bounds, (beyond, one), inputs.depths, &objects);
         let mut views = self.maker.parts.of(self.image.method.jittered(views));
         if extent != Extent::Everything {
             views.truncate(1);

@@ -1,10 +1,11 @@
 //! The light's views of a pass's casters, those of casters that stand kept while the light is.
 
+use super::ShadowPass;
 use super::casters::CasterSet;
 use super::gbuffer::GBuffer;
 use super::inputs::{Inputs, LightReach};
 use crate::Result;
-use crate::light_view::{LightView, Receivers};
+use crate::light_view::{LightView, OmniMaps, PartBy, Receivers};
 use crate::methods::Settings;
 use crate::scene::Light;
 use glam::DVec3;
@@ -14,6 +15,19 @@ use glam::DVec3;
 pub struct Views(Option<(Fitted, Vec<LightView>)>);
 
 type Fitted = (Light, LightReach, bool);
+
+impl ShadowPass {
+    /// Boxes that hold the casters, one an object, where the light's views are of clusters of them; none where nothing is known.
+    pub(super) fn objects_of(&self, inputs: &Inputs, settings: &Settings) -> Vec<(DVec3, DVec3)> {
+        let casters = &self.casters;
+        match (&casters.parts, settings.partition) {
+            (_, plan) if plan.is_none_or(|plan| plan.by != PartBy::ReceiverClusters) => Vec::new(),
+            (Some(parts), _) => parts.boxes(inputs.parts),
+            _ if casters.are_known() => casters.prepared.objects().to_vec(),
+            _ => Vec::new(),
+        }
+    }
+}
 
 impl Views {
     /// One view of the casters, which lie between `bounds`; a cube of them if the light stands among these.
@@ -27,6 +41,14 @@ impl Views {
         let (light, map, prepared) = (inputs.light, settings.map, &casters.prepared);
         let LightReach { cone, range } = inputs.reach;
         let range = f64::from(range);
+        if settings.omni == OmniMaps::Paraboloids {
+            let outside = match &casters.parts {
+                Some(parts) => parts.backs_add_nothing(light),
+                None => casters.are_known() && prepared.backs_add_nothing(light),
+            };
+            let views = LightView::paraboloids(bounds, light, map, cone)?;
+            return Ok(views.into_iter().map(|view| LightView { outside, ..view }).collect());
+        }
         if !casters.are_known() {
             let outside = casters.parts.as_ref().is_some_and(|parts| parts.backs_add_nothing(light));
             let boxes = casters.parts.as_ref().map_or_else(|| vec![bounds], |parts| parts.boxes(inputs.parts));

@@ -2,10 +2,12 @@
 
 use super::{Extent, Plan, PlanStep};
 use crate::Result;
+use crate::light_view::{LightView, OmniMaps};
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::methods::{MapQuery, MethodName, TexelQuery};
 use crate::scene::{Camera, Light};
+use glam::DVec3;
 
 /// Stages of `spsm` after what the camera sees.
 const SPSM_STAGES: [(&str, &str); 6] = [
@@ -19,6 +21,8 @@ const SPSM_STAGES: [(&str, &str); 6] = [
 
 /// Stages that make a shadow map.
 const NEAREST: (&str, &str) = ("light_layers", "nearest depth at every texel centre");
+/// The same of paraboloid views of it.
+const CURVED: (&str, &str) = ("paraboloid_casters", "nearest depth at every texel centre, of the light's paraboloids");
 const COMPARED: (&str, &str) = ("compared_depths", "the depth a texel is compared by, from its two nearest");
 
 /// Stages of `reconstructable` after what the camera sees.
@@ -155,7 +159,9 @@ impl Plan {
             }
             _ => reason.clone(),
         };
-        let own = own.iter().map(|&(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
+        let curved = method.omni(wanted) == OmniMaps::Paraboloids;
+        let own = own.iter().map(|&step| if curved && step == NEAREST { CURVED } else { step });
+        let own = own.map(|(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
         let kept = |s: &PlanStep| match s.name {
             "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces"
             | "seen_depths" => true,
@@ -169,8 +175,12 @@ impl Plan {
         steps.splice(at..at, own);
         if !of_facets {
             let (name, purpose) = CHOICE;
-            let several =
-                partition.is_some_and(|plan| plan.is_several()) || !settings.light_view(prepared, light)?.complete;
+            let several = if curved {
+                let bounds = prepared.tree().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+                LightView::paraboloids(bounds, light, wanted.map, false)?.len() > 1
+            } else {
+                partition.is_some_and(|plan| plan.is_several()) || !settings.light_view(prepared, light)?.complete
+            };
             let one = (!several).then(|| "one view of the light holds all".to_owned());
             steps.insert(at, PlanStep { name, purpose, left_out: reason.clone().or(one) });
         }

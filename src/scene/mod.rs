@@ -8,6 +8,7 @@ mod coplanar;
 pub mod light;
 pub mod mesh;
 pub(crate) mod mesh_tree;
+pub(crate) mod objects;
 pub mod projection;
 pub(crate) mod weld;
 

@@ -21,7 +21,7 @@ use crate::{Result, shared_struct};
 shared_struct! {
     /// The views of a frame.
     "shared/facet/view_choice" => pub struct LightViews {
-        /// Of each view four rows: of a point to texel x and y, times the third; last the least divisor of points in front.
+        /// Of each view four rows: of a point to texel x and y, times the third; last the least divisor of points in front, and 1 of a paraboloid view.
         pub rows: [[f32; 4]; 24],
         /// Views.
         pub count: u32,
@@ -44,7 +44,8 @@ impl LightViews {
         let mut made = Self { count, ..Self::default() };
         for (rows, view) in made.rows.chunks_exact_mut(4).zip(views) {
             let [u, v, w] = [view.u, view.v, view.w].map(|row| row.as_vec4().into());
-            rows.copy_from_slice(&[u, v, w, [view.near as f32, 0.0, 0.0, 0.0]]);
+            let curved = if view.paraboloid.is_some() { 1.0 } else { 0.0 };
+            rows.copy_from_slice(&[u, v, w, [view.near as f32, curved, 0.0, 0.0]]);
         }
         made
     }

@@ -24,6 +24,7 @@ mod moment_shadows;
 mod page_casters;
 mod page_query;
 mod page_requests;
+mod paraboloid_casters;
 mod pixel_counts;
 mod pixel_coverage;
 mod pixel_filter;

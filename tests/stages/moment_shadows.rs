@@ -286,6 +286,20 @@ fn two_d_dispatch() {
     assert!(of(folding_gpu()) == of(gpu()), "the fold changes the result");
 }
 
+/// A map on a paraboloid: the footprint is that of the bent place.
+#[gpu_test]
+fn paraboloids() {
+    let from = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
+    let light = Light::Point { position: [0.1, 0.9, 0.2] };
+    for (kind, k) in [(0, 0), (1, 1), (1, 0)] {
+        let mesh = random_scene(kind, &mut Random::new(83));
+        let world = World::in_paraboloid(gpu(), &mesh, (from, light), [48, 36], 128, samples(1), k);
+        for measures in [MomentMeasures::Depths, MomentMeasures::Rising(20.0), MomentMeasures::Four] {
+            check(&world, MomentShadowsOptions { measures, ..PLAIN });
+        }
+    }
+}
+
 #[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));

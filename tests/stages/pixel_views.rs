@@ -1,6 +1,8 @@
 //! The view that each pixel asks, against `f64`: where rounding may turn over which it is, either. What each asks is kept and taken exactly.
 
-use crate::support::shadow::{World, above, folding_gpu, looked_down_on as world, random_light, random_scene, uniform};
+use crate::support::shadow::{
+    World, above, camera, folding_gpu, looked_down_on as world, random_light, random_scene, samples, uniform,
+};
 use crate::support::spsm::faces_away;
 use crate::support::{POISON, Random, gpu, run, sizes_around, upload};
 use oracle::reference::facet_classify::pixel_ray;
@@ -8,7 +10,7 @@ use oracle::reference::pixel_views::{inset, may_be_chosen};
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::light_view::LightView;
-use subpixel_shadows::scene::Mesh;
+use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::pixel_views::{LightViews, PixelChoice, PixelViews, TakeWords};
 use test_support::gpu_test;
@@ -210,6 +212,24 @@ fn two_d_dispatch() {
         ask(&world, windows(&world, 3, &mut Random::new(17)), 1).view_of
     };
     assert!(of(folding_gpu()) == of(gpu()), "the fold changes the result");
+}
+
+/// Two paraboloids around a light; the reverse of the list is another choice.
+#[gpu_test]
+fn paraboloids() {
+    let light = Light::Point { position: [0.1, 0.9, 0.2] };
+    for kind in 0..4 {
+        let mesh = random_scene(kind, &mut Random::new(83));
+        let of = |k| {
+            let from = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
+            World::in_paraboloid(gpu(), &mesh, (from, light), [48, 36], 64, samples(8), k)
+        };
+        let worlds = [of(0), of(1)];
+        let (mut ran, compared) = check(&worlds[0], worlds.each_ref().map(|world| world.view.map).to_vec());
+        assert!(compared > 50, "{compared} pixels compared");
+        ran.views.reverse();
+        assert!(fault(&worlds[0], &ran).is_err(), "the other view is as good");
+    }
 }
 
 #[gpu_test]

@@ -58,6 +58,7 @@ fn fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
         slope: f64::from(ran.options.slope),
         receiver_plane: ran.options.receiver_plane,
         taps: &[],
+        curved: world.view.map.paraboloid.map(|_| world.view.map),
     };
     ran.on.fault(world, |p, _, slope, place, doubt| {
         let (brighter, darker) = (lookup(doubt), lookup(-doubt));
@@ -96,6 +97,7 @@ fn disc_fault(world: &World, ran: &Ran) -> Result<[u64; 2], String> {
                         slope: 0.0,
                         receiver_plane: true,
                         taps: &[tap],
+                        curved: world.view.map.paraboloid.map(|_| world.view.map),
                     };
                     lookup.share(*p + by.extend(slope.dot(by)), slope)
                 })
@@ -209,6 +211,29 @@ fn two_d_dispatch() {
     // Nine workgroups in three rows.
     let of = |gpu| ask(&world(gpu, &mesh, above(), [24, 24], 24, 8), filtered(3));
     assert!(of(folding_gpu()).on.visibility == of(gpu()).on.visibility, "the fold changes the result");
+}
+
+/// A map on a paraboloid, from outside and from within, each of its two views, plain and filtered; what a map on a plane holds is wrong there.
+#[gpu_test]
+fn paraboloids() {
+    let mut random = Random::new(83);
+    let from = camera(DVec3::new(0.8, 2.2, 4.0), DVec3::new(0.0, -0.3, 0.0), 40.0);
+    let within = Light::Point { position: [0.1, 0.9, 0.2] };
+    for (kind, light, k) in [(0, within, 0), (1, within, 1), (1, within, 0), (2, random_light(false, &mut random), 0)] {
+        let mesh = random_scene(kind, &mut random);
+        let world = World::in_paraboloid(gpu(), &mesh, (from, light), [48, 36], 128, samples(8), k);
+        check(&world, PLAIN);
+        // The definition knows the receiver's slope at the pixel's middle, where one sample lies.
+        let one = World::in_paraboloid(gpu(), &mesh, (from, light), [48, 36], 128, samples(1), k);
+        for options in [PLAIN, filtered(3), disc(16, true)] {
+            // Of one sample on steep planes most taps are in doubt.
+            let [compared, close] = fault(&one, &ask(&one, options)).expect("it is right");
+            assert!(close * 8 + 5 >= compared, "{options:?}: {close} of {compared} pixels compared closely");
+        }
+        let mut other = ask(&world, PLAIN);
+        other.on.visibility = ask(&self::world(gpu(), &mesh, light, [48, 36], 128, 8), PLAIN).on.visibility;
+        assert!(k == 1 || fault(&world, &other).is_err(), "a map on a plane answers the same");
+    }
 }
 
 #[gpu_test]

@@ -12,6 +12,7 @@ pub mod shadow;
 pub mod shapes;
 pub mod spsm;
 pub mod surfaces;
+pub mod views;
 
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};
 use subpixel_shadows::{Result, wgpu};

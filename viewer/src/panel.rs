@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use egui::{ComboBox, Id, Rect, Response, Slider, Ui};
-use lab::options::{Compare, Encoding, FacetsPerPixel, PartitionBy, RenderOptions, WarpBy};
+use lab::options::{Compare, Encoding, FacetsPerPixel, OmniBy, PartitionBy, RenderOptions, WarpBy};
 use subpixel_shadows::methods::{MethodName, ShadowMapSettings};
 use subpixel_shadows::pass::FrameStatus;
 
@@ -83,7 +83,17 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     changed |= words(ui, half, "pattern", &mut options.pattern);
     changed |= numbers(ui, half, "map", &mut options.map, &[64, 128, 256, 512, 1024, 2048, 4096]);
     let method = options.method;
-    let takes = |name| method.takes(name);
+    if method.takes("omni") {
+        changed |= words(ui, half, "omni", &mut options.omni);
+    }
+    let curved = method.takes("omni") && options.omni == OmniBy::Paraboloids;
+    if curved {
+        // These are of maps on planes.
+        (options.partition, options.splits, options.warp) = (PartitionBy::default(), None, None);
+        (options.compare, options.history) = (Compare::Nearest, 1);
+    }
+    let of_planes = ["compare", "partition", "splits", "warp", "focus", "history"];
+    let takes = |name| method.takes(name) && !(curved && of_planes.contains(&name));
     if takes("facets") {
         changed |= words(ui, half, "facets", &mut options.facets);
         if matches!(options.facets, FacetsPerPixel::One) {
@@ -147,7 +157,8 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
     if takes("partition") {
         changed |= words(ui, half, "partition", &mut options.partition);
     }
-    let faces = takes("partition") && options.partition == PartitionBy::FrustumFaces;
+    let other = [PartitionBy::FrustumFaces, PartitionBy::ReceiverClusters];
+    let faces = takes("partition") && other.contains(&options.partition);
     if faces {
         options.splits = None;
         options.warp = options.warp.filter(|warp| *warp != WarpBy::Stable);

@@ -6,6 +6,7 @@ use lab::scene::builtin;
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 use subpixel_shadows::gpu::{Gpu, KeptPrograms, Profile, kernels, program};
+use subpixel_shadows::light_view::OmniMaps;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::names::TexelQuery;
@@ -82,6 +83,11 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("density", &[&|s| s.axes.density = DensityRule::Logarithmic]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all.push(Settings { count_pixels: true, ..plain.clone() });
+    // What rasterizes on paraboloids is the same for all.
+    let curved = |s: &Settings| Settings { omni: OmniMaps::Paraboloids, ..s.clone() };
+    if method == MethodName::ShadowMap {
+        all.push(curved(plain));
+    }
     // Holes add the same code whatever the number of samples.
     if plain.samples.count() != SAMPLES[SAMPLES.len() - 1] {
         return all;
@@ -91,6 +97,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
         all.push(Settings { facets: FacetMode::One, ..tested.clone() });
     }
     if method.row().query != TexelQuery::Triangles {
+        all.extend((method == MethodName::ShadowMap).then(|| curved(&tested)));
         all.push(tested);
     }
     all

@@ -1,7 +1,7 @@
 // Receiver of a pixel, for methods of one receiver a pixel: the plane of the triangle at its centre, and its
 // place in the light view.
 
-//@import frame facing pixel_ray roles
+//@import frame facing pixel_ray roles paraboloid
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs var<storage, read> id_keys: array<u32>;
@@ -17,12 +17,13 @@ struct Receiver {
     normal: vec3<f32>,  // towards the light
     height: f32,        // dot(normal, point) on the plane
     at: vec3<f32>,      // a point of it
-    slope: vec2<f32>,   // depth per texel to the right and down
+    slope: vec2<f32>,   // depth per texel to the right and down; of a paraboloid view at the pixel's middle
     far: f32,           // depth of the triangle's farthest corner
     sides: array<vec3<f32>, 3>, // planes through the eye and its edges
 }
 
 fn depth_of(p: vec3<f32>) -> f32 {
+    if is_paraboloid() { return paraboloid_depth(from_light(p)); }
     let z = dot(frame.map_z, vec4(p, 1.0));
     if (frame.flags & FLAG_PERSPECTIVE) == 0u { return z; }
     let w = dot(frame.map_w, vec4(p, 1.0));
@@ -58,7 +59,8 @@ fn receiver_of(pixel: u32) -> Receiver {
     r.seen = SEEN_OPEN;
     r.far = max(depth_of(a), max(depth_of(b), depth_of(c)));
     let p = vec4(r.normal, -r.height);
-    let s = -vec2(dot(p, frame.back_u), dot(p, frame.back_v)) / dot(p, frame.back_z);
+    var s = -vec2(dot(p, frame.back_u), dot(p, frame.back_v)) / dot(p, frame.back_z);
+    if is_paraboloid() { s = paraboloid_slope(r.normal, from_light(plane_point(r, pixel_ray(pixel)).xyz)); }
     // Steeper than all depth within a texel: nothing more is told by it.
     r.slope = clamp(s, vec2(-1000.0), vec2(1000.0));
     if !(abs(s.x) < 3.0e38 && abs(s.y) < 3.0e38) { r.slope = vec2(0.0); }
@@ -77,6 +79,12 @@ fn plane_point(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
 // The place of such a point in the light view (texel x, y, depth); w is 0 where there is none, or it is not
 // in front of the light.
 fn place_at(point: vec4<f32>) -> vec4<f32> {
+    if is_paraboloid() {
+        let rel = from_light(point.xyz);
+        let at = paraboloid_texel(frame.map_u, frame.map_v, frame.map_w, rel);
+        let seen = point.w != 0.0 && at.z > 0.0 && abs(at.x) < 3.0e38 && abs(at.y) < 3.0e38;
+        return vec4(at.xy, paraboloid_depth(rel), select(0.0, 1.0, seen));
+    }
     let p = vec4(point.xyz, 1.0);
     var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
     var front = point.w != 0.0;
@@ -97,6 +105,14 @@ fn place_of(r: Receiver, ray: vec3<f32>) -> vec4<f32> {
 fn meets_triangle(r: Receiver, ray: vec3<f32>) -> bool {
     let v = vec3(dot(r.sides[0], ray), dot(r.sides[1], ray), dot(r.sides[2], ray));
     return all(v >= vec3(0.0)) || all(v <= vec3(0.0));
+}
+
+// Change of the receiver's depth from a place to another.
+fn rise_to(r: Receiver, at: vec3<f32>, place: vec2<f32>) -> f32 {
+    let even = dot(r.slope, place - at.xy);
+    if !is_paraboloid() { return even; }
+    let depth = paraboloid_plane(r.normal, from_light(r.at), place);
+    return select(even, depth - at.z, depth > 0.0);
 }
 
 // Depth of the receiver around a texel's centre: per x, per y, at it.

@@ -3,12 +3,13 @@
 // does, that which holds most of it: in which the outermost of these points lies least far out. What is not
 // in front of a view lies outside it by more than anything.
 
-//@import receiver
+//@import receiver paraboloid
 //@needs var<uniform> frame: Frame;
 //@needs override REACH: f32;
 
 struct LightViews {
-    rows: array<vec4<f32>, 24>,  // of each view: to texel x and y, times the third; least divisor in front
+    // of each view: to texel x and y, times the third; least divisor in front, 1 of a paraboloid view
+    rows: array<vec4<f32>, 24>,
     count: u32,
     pad_0: u32,
     pad_1: u32,
@@ -22,6 +23,10 @@ const OUTSIDE = -3.0e38;
 // Texel x and y of a point in a view, the third 1; 0 where it is not in front of it.
 fn texel_in(view: u32, point: vec3<f32>) -> vec3<f32> {
     let k = 4u * view;
+    if views.rows[k + 3u].y != 0.0 {
+        let at = paraboloid_texel(views.rows[k], views.rows[k + 1u], views.rows[k + 2u], from_light(point));
+        return vec3(at.xy, select(0.0, 1.0, at.z > 0.0));
+    }
     let p = vec4(point, 1.0);
     let w = dot(views.rows[k + 2u], p);
     if !(w > views.rows[k + 3u].x) { return vec3(0.0); }

@@ -66,6 +66,8 @@ const FLAG_FURTHER_VIEW = 256u; // this is not the first: what was found of face
 const FLAG_CUT_LAYERS = 65536u; // layers hold casters that reach behind the light, where these cover a texel
 // Four, one a side of the map (low x, high x, low y, high y): beyond it casters were left out
 const FLAG_ENDS = 1024u;
+// The view is a paraboloid one, of a light at a point
+const FLAG_PARABOLOID = 262144u;
 const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit
 // Triangles of closed bodies that face away from the eye lie behind others of these: no pixel sees them
 const FLAG_BACKS_HIDDEN = 131072u;

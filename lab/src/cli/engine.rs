@@ -9,6 +9,7 @@ use oracle::engine::{self, CpuRays, CpuTime, RAYS};
 use serde_json::{Map, Value};
 use std::time::{Duration, Instant};
 use subpixel_shadows::gpu::{Gpu, KeptPrograms};
+use subpixel_shadows::light_view::OmniMaps;
 use subpixel_shadows::methods::strip_method::StripMethod;
 use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
 use subpixel_shadows::plan::{Extent, Plan};
@@ -149,6 +150,7 @@ impl Engine {
                 }
                 if views > 1 {
                     let why = match settings.partition {
+                        _ if settings.omni == OmniMaps::Paraboloids => "paraboloids around the light",
                         Some(_) => "in slices of what the camera sees, or around a light among its casters",
                         None => "the light stands among its casters",
                     };

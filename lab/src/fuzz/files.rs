@@ -7,7 +7,7 @@ use image::ImageEncoder as _;
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use subpixel_shadows::light_view::{PartBy, SplitPlan, Warp};
+use subpixel_shadows::light_view::{OmniMaps, PartBy, SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, MethodName, PairVariant};
 use subpixel_shadows::samples::Pattern;
@@ -92,8 +92,12 @@ pub fn command(scene: &Path, case: &FuzzCase) -> String {
             PartBy::Depth => "",
             PartBy::SeenDepth => " --partition seen-depths",
             PartBy::FrustumFaces => " --partition frustum-faces",
+            PartBy::ReceiverClusters => " --partition receiver-clusters",
         };
         let _ = write!(line, " --splits {splits} --warp {warp} --focus {focus} --split-weight {weight}");
+    }
+    if s.omni == OmniMaps::Paraboloids {
+        line += " --omni paraboloids";
     }
     if how.method == MethodName::RayTraced {
         line += if s.ray_traced.silhouettes { " --rays silhouettes" } else { " --rays all" };

@@ -97,7 +97,9 @@ impl How {
         let weight = slices.pick([SplitPlan::WEIGHT, 0.0, 1.0]);
         let faces = warp != Warp::Stable && Random::of(seed ^ 0xface_5000, number).chance(0.2);
         let seen = Random::of(seed ^ 0x5ee_de97, number).chance(0.25);
+        let clusters = warp != Warp::Stable && Random::of(seed ^ 0xc105_7e40, number).chance(0.2);
         let (by, splits) = match (faces, seen) {
+            _ if clusters => (PartBy::ReceiverClusters, 1),
             (true, _) => (PartBy::FrustumFaces, 1),
             (false, true) => (PartBy::SeenDepth, splits),
             (false, false) => (PartBy::Depth, splits),

@@ -27,6 +27,7 @@ pub use worlds::Kind;
 use crate::scene::{Base, CameraOverride, Scene};
 use random::Random;
 use subpixel_shadows::Result;
+use subpixel_shadows::light_view::OmniMaps;
 use subpixel_shadows::methods::MethodName;
 use subpixel_shadows::scene::{AlphaTested, Light, Mesh};
 
@@ -108,6 +109,12 @@ impl FuzzCase {
         }
         if how.method == MethodName::RayTraced || outside && !world.light.is_directional() {
             how.settings.partition = None;
+        }
+        let s = &mut how.settings;
+        let plain = s.partition.is_none() && s.shadow_map.compared.is_none() && s.history.is_none();
+        let takes = how.method.takes("omni") && plain && !world.light.is_directional();
+        if takes && Random::of(seed ^ 0x0a11_a400, number).chance(0.5) {
+            s.omni = OmniMaps::Paraboloids;
         }
         Ok(Self { seed, number, kind, world, how })
     }

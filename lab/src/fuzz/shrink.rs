@@ -3,6 +3,7 @@
 use super::FuzzCase;
 use crate::scene::CameraOverride;
 use std::time::{Duration, Instant};
+use subpixel_shadows::light_view::OmniMaps;
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{FacetMode, PairVariant, RayTracedSettings, Settings};
 use subpixel_shadows::render::Budget;
@@ -141,6 +142,7 @@ impl Shrinker<'_> {
         let plain = FuzzCase { how: super::How { force_all: false, ..self.case.how.clone() }, ..self.case.clone() };
         self.takes(plain);
         self.try_settings(|s| s.partition = None);
+        self.try_settings(|s| s.omni = OmniMaps::Planes);
         self.try_settings(|s| s.pairs = PairVariant::Tiled);
         self.try_settings(|s| s.masks = MaskVariant::Exact);
         self.try_settings(|s| s.validity = true);

@@ -1,7 +1,7 @@
 //! The words that options take.
 
 use clap::ValueEnum;
-use subpixel_shadows::light_view::PartBy;
+use subpixel_shadows::light_view::{OmniMaps, PartBy};
 use subpixel_shadows::methods::{DensityRule, FacetMode};
 use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Pattern;
@@ -103,6 +103,8 @@ pub enum PartitionBy {
     SeenDepths,
     /// The faces of the view frustum that light passes
     FrustumFaces,
+    /// Clusters of the objects that are seen
+    ReceiverClusters,
 }
 
 impl From<PartitionBy> for PartBy {
@@ -111,6 +113,7 @@ impl From<PartitionBy> for PartBy {
             PartitionBy::Slices => Self::Depth,
             PartitionBy::SeenDepths => Self::SeenDepth,
             PartitionBy::FrustumFaces => Self::FrustumFaces,
+            PartitionBy::ReceiverClusters => Self::ReceiverClusters,
         }
     }
 }
@@ -131,6 +134,25 @@ pub enum WarpBy {
     /// As makes texels the smallest beside pixels
     #[default]
     Fitted,
+}
+
+/// Maps of a light at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum OmniBy {
+    /// On planes: one, or around a light among its casters those of a cube
+    #[default]
+    Planes,
+    /// On one or two paraboloids
+    Paraboloids,
+}
+
+impl From<OmniBy> for OmniMaps {
+    fn from(by: OmniBy) -> Self {
+        match by {
+            OmniBy::Planes => Self::Planes,
+            OmniBy::Paraboloids => Self::Paraboloids,
+        }
+    }
 }
 
 /// Facets of a pixel.

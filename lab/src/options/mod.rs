@@ -4,8 +4,8 @@ mod choices;
 mod recorded;
 
 pub use choices::{
-    Compare, DensityBy, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, PairsBy, PartitionBy, PatternName,
-    Projection, RayChoice, Search, Shape, Switch, WarpBy,
+    Compare, DensityBy, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, OmniBy, PairsBy, PartitionBy,
+    PatternName, Projection, RayChoice, Search, Shape, Switch, WarpBy,
 };
 pub use recorded::{camera_text, light_text, reason};
 
@@ -138,6 +138,9 @@ pub struct RenderOptions {
     /// Share of a slice's depth, nearest the eye, that gets 80 % of a trapezoid's rows (trapezoidal, --warp trapezoid)
     #[arg(long, default_value_t = 0.6, value_name = "SHARE")]
     pub focus: f64,
+    /// Maps of a light at a point: on planes, one or around a light among its casters those of a cube; or on one or two paraboloids
+    #[arg(long, value_enum, default_value_t, value_name = "MAPS")]
+    pub omni: OmniBy,
     /// Share of light that the methods of moments take off against leaks; 0 as in the papers, up to 0.9
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     pub bleeding: f32,
@@ -318,6 +321,7 @@ impl RenderOptions {
                 ..SmsrSettings::default()
             },
             partition: self.parts(),
+            omni: self.omni.into(),
             moments: MomentSettings {
                 bleeding: self.bleeding,
                 grazing: self.grazing,

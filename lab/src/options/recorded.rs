@@ -69,6 +69,7 @@ impl RenderOptions {
             ("split-weight", json!(o.split_weight)),
             ("warp", o.warp.or(own.map(|_| Default::default())).map_or(Value::Null, word)),
             ("focus", json!(o.focus)),
+            ("omni", word(o.omni)),
             ("bleeding", number(o.bleeding)),
             ("grazing", number(o.grazing)),
             ("exponent", number(o.exponent)),

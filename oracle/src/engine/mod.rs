@@ -122,7 +122,8 @@ pub fn render(
         true => vec![of_light.light_view(prepared, light)?],
         false => {
             let bounds = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-            of_light.in_slices(of_light.light_views(prepared, light)?, camera, bounds, (false, false), None)
+            let views = of_light.light_views(prepared, light)?;
+            of_light.in_slices(views, camera, bounds, (false, false), None, prepared.objects())
         }
     };
     let side = |clock: &mut Clock, map| LightSide::new(clock, prepared, settings, camera, light, map, &request);

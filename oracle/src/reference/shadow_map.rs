@@ -1,6 +1,7 @@
 //! Depth comparison with a map of nearest depths, filtered over texels or not.
 
 use glam::{DVec2, DVec3};
+use subpixel_shadows::light_view::LightView;
 
 /// A map and how it is asked.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,8 @@ pub struct DepthLookup<'a> {
     pub receiver_plane: bool,
     /// Taps around a place in place of the filter, texels; none for the filter.
     pub taps: &'a [DVec2],
+    /// The view of the map, where it is a paraboloid one: planes are bent there.
+    pub curved: Option<LightView>,
 }
 
 /// Cosine and sine of the angle at which a pixel has its taps.
@@ -42,14 +45,29 @@ impl DepthLookup<'_> {
         f64::from(u8::from(nearest.is_none_or(|d| d >= depth)))
     }
 
+    /// Change of the depth of a receiver with this slope at a place on the way to another.
+    fn rise(&self, at: DVec3, slope: DVec2, to: DVec2) -> f64 {
+        let Some(view) = self.curved else { return slope.dot(to - at.truncate()) };
+        const STEP: f64 = 1e-3;
+        let ray = |place: DVec2| view.ray_of_texel(place).normalize();
+        let place = at.truncate();
+        let apart = at.z / view.z.w;
+        let along = |step: DVec2, slope: f64| {
+            let turn = (ray(place + step) - ray(place - step)) / (2.0 * STEP);
+            ray(place) * (slope / view.z.w) + turn * apart
+        };
+        let normal = along(DVec2::X * STEP, slope.x).cross(along(DVec2::Y * STEP, slope.y));
+        let depth = normal.dot(ray(place) * apart) / normal.dot(ray(to)) * view.z.w;
+        if depth > 0.0 { depth - at.z } else { slope.dot(to - place) }
+    }
+
     /// Lit share at a place (texel x, y, depth) of a receiver with this slope (depth per texel).
     pub fn share(&self, at: DVec3, slope: DVec2) -> f64 {
         let depth = at.z - self.constant - self.slope * slope.abs().max_element();
         if !self.taps.is_empty() {
             let lit = self.taps.iter().map(|tap| {
                 let texel = (at.truncate() + *tap).floor();
-                let away = texel + 0.5 - at.truncate();
-                self.lit([texel.x as i64, texel.y as i64], depth + slope.dot(away))
+                self.lit([texel.x as i64, texel.y as i64], depth + self.rise(at, slope, texel + 0.5))
             });
             return lit.sum::<f64>() / self.taps.len() as f64;
         }
@@ -69,7 +87,7 @@ impl DepthLookup<'_> {
             .map(|[x, y]| {
                 let tap = [low.x as i64 + x, low.y as i64 + y];
                 let middle = DVec2::new(tap[0] as f64 + 0.5, tap[1] as f64 + 0.5);
-                let away = if self.receiver_plane { slope.dot(middle - at.truncate()) } else { 0.0 };
+                let away = if self.receiver_plane { self.rise(at, slope, middle) } else { 0.0 };
                 weight(x, first.x - low.x) * weight(y, first.y - low.y) * self.lit(tap, depth + away)
             })
             .sum();
@@ -107,6 +125,7 @@ mod tests {
             slope: 0.0,
             receiver_plane: true,
             taps,
+            curved: None,
         };
         let at = DVec3::new(3.5, 3.5, 0.5);
         assert_eq!(of(&taps[..]).share(at, DVec2::ZERO), 0.5);

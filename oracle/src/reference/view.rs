@@ -62,6 +62,9 @@ impl View {
 
     /// Texel x, y and depth of a point, and the divisor; `None` if it is not in front of the light.
     pub fn on_map(&self, point: DVec3) -> Option<DVec4> {
+        if self.map.paraboloid.is_some() {
+            return self.map.project(point).map(|p| p.extend(1.0));
+        }
         let p = point.extend(1.0);
         let w = if self.map.perspective { self.map.w.dot(p) } else { 1.0 };
         let seen = !self.map.perspective || w > self.map.near;

@@ -1,7 +1,7 @@
 //! Options that rows name.
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 43] = [
+pub const METHOD_OPTIONS: [&str; 44] = [
     "facets",
     "validity",
     "masks",
@@ -33,6 +33,7 @@ pub const METHOD_OPTIONS: [&str; 43] = [
     "split-weight",
     "warp",
     "focus",
+    "omni",
     "bleeding",
     "grazing",
     "exponent",

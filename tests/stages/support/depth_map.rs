@@ -9,6 +9,7 @@ use subpixel_shadows::gpu::{Buffer, Stage};
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::light_layers::{Layers, LightLayers};
+use subpixel_shadows::stages::paraboloid_casters::{CurvedWork, ParaboloidCasters};
 use subpixel_shadows::wgpu;
 
 /// The device of a world, its map's side, and whether some of its casters have holes.
@@ -18,6 +19,20 @@ fn parts(world: &World) -> (&wgpu::Device, usize, bool) {
 
 fn depth_of(key: u32) -> Option<f64> {
     (key != 0).then(|| f64::from(f32::from_bits(!key)))
+}
+
+/// Keys of the map of a world in a paraboloid view.
+pub fn curved_keys(world: &World) -> Vec<u32> {
+    let (device, size, holes) = parts(world);
+    let gpu = world.gpu;
+    let work = CurvedWork::new(device, &gpu.queue, world.triangles.len(), size as u32).expect("memory");
+    let keys = Buffer::<u32>::storage(device, "test.keys", size * size).expect("memory");
+    work.rects.write(&gpu.queue, &vec![[POISON; 2]; work.rects.len()]);
+    let (frame, points) = (uniform(gpu, &world.frame), world.points());
+    let stage = ParaboloidCasters::new(device, holes);
+    let mesh = (&world.casters.triangles, &points);
+    run(gpu, |s| stage.record(s, &frame, mesh, &work, (&keys, size as u32)).expect("recorded"));
+    keys.read(gpu).expect("readback")
 }
 
 /// What a stage made of the map of a world.
@@ -35,6 +50,10 @@ impl OnMap {
     ) -> Self {
         let (device, size, holes) = parts(world);
         let map = Layers::nearest_only(device, size).expect("memory");
+        if world.view.map.paraboloid.is_some() {
+            let keys = Buffer::from_slice(device, &world.gpu.queue, "test.keys", &curved_keys(world)).expect("memory");
+            return Self::asked(world, &keys, record);
+        }
         Self::with(world, &LightLayers::nearest_only(device, holes), &map, 1, record)
     }
 
@@ -79,6 +98,23 @@ impl OnMap {
             offsets: &offsets,
             args: (args.raw(), 0),
         };
+        let frame = uniform(gpu, &world.frame);
+        for k in 0..runs {
+            if k > 0 {
+                map.second_keys.write(&gpu.queue, &vec![0; map.second_keys.len()]);
+            }
+            run(gpu, |s| layers.record(s, &frame, blocks, map));
+        }
+        Self::asked(world, &map.nearest_keys, record)
+    }
+
+    /// The same of a map of these keys.
+    fn asked(
+        world: &World,
+        nearest_keys: &Buffer<u32>,
+        record: impl Fn(&mut Stage, &Buffer<Frame>, PrimaryHits, &Buffer<u32>, &Buffer<f32>),
+    ) -> Self {
+        let gpu = world.gpu;
         let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
         let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
         let id_keys = Buffer::from_slice(&gpu.device, &gpu.queue, "test.ids", &keys).expect("memory");
@@ -86,17 +122,12 @@ impl OnMap {
         visibility.write(&gpu.queue, &vec![f32::from_bits(POISON); seen.len()]);
         let (frame, offsets, points) = (uniform(gpu, &world.frame), world.sample_offsets(), world.points());
         let triangles = &world.casters.triangles;
-        for _ in 1..runs {
-            run(gpu, |s| layers.record(s, &frame, blocks, map));
-            map.second_keys.write(&gpu.queue, &vec![0; map.second_keys.len()]);
-        }
         run(gpu, |s| {
-            layers.record(s, &frame, blocks, map);
             let from = PrimaryHits { samples: &offsets, id_keys: &id_keys, triangles, points: &points };
-            record(s, &frame, from, &map.nearest_keys, &visibility);
+            record(s, &frame, from, nearest_keys, &visibility);
         });
         Self {
-            depths: map.nearest_keys.read(gpu).expect("readback").into_iter().map(depth_of).collect(),
+            depths: nearest_keys.read(gpu).expect("readback").into_iter().map(depth_of).collect(),
             visibility: visibility.read(gpu).expect("readback"),
             seen,
         }

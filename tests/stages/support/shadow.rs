@@ -83,20 +83,6 @@ impl World {
         Self::in_slice(gpu, mesh, (camera, light), size, map, samples, None)
     }
 
-    /// The same in the light's view of slice number `k` of what the camera sees.
-    pub fn in_slice(
-        gpu: &'static Gpu,
-        mesh: &Mesh,
-        (camera, light): (Camera, Light),
-        size: [u32; 2],
-        map: u32,
-        samples: Samples,
-        slice: Option<(SplitPlan, usize)>,
-    ) -> Self {
-        let prepared = Prepared::new(mesh).expect("a sound mesh");
-        Self::of(gpu, prepared, (camera, light), size, map, samples, slice)
-    }
-
     /// The same of a mesh that is prepared.
     pub fn of(
         gpu: &'static Gpu,
@@ -107,13 +93,27 @@ impl World {
         samples: Samples,
         slice: Option<(SplitPlan, usize)>,
     ) -> Self {
+        let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
+        let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let view = slice.map_or(fitted, |(plan, k)| fitted.slices(&camera, size, bounds, &plan, 0.0, None)[k]);
+        Self::in_view(gpu, prepared, (camera, light), size, samples, view)
+    }
+
+    /// The same in a view of the light.
+    pub(super) fn in_view(
+        gpu: &'static Gpu,
+        prepared: Prepared,
+        (camera, light): (Camera, Light),
+        size: [u32; 2],
+        samples: Samples,
+        fitted: LightView,
+    ) -> Self {
+        let map = fitted.map_size;
         static FRONT: Pipelines<Front> = Pipelines::new();
         let make = || Front { project: VertexProject::new(&gpu.device), setup: TriangleSetup::new(&gpu.device) };
         let front = FRONT.get(gpu, 0, make);
         let casters = prepared.upload(&gpu.device, &gpu.queue).expect("memory");
-        let fitted = LightView::fit(prepared.mesh(), &light, map).expect("a light view");
         let bounds = prepared.mesh().bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
-        let fitted = slice.map_or(fitted, |(plan, k)| fitted.slices(&camera, size, bounds, &plan, 0.0, None)[k]);
         let mut frame = Frame::new(&camera, &light, &fitted, bounds, size, &samples);
         let (vertices, triangles) = (prepared.mesh().positions.len(), prepared.mesh().triangles.len());
         (frame.vertex_count, frame.triangle_count) = (vertices as u32, triangles as u32);

@@ -25,6 +25,10 @@ pub struct Made {
 
 /// Rounding of places and depths that the kernels reckon with (see shared/spsm_record).
 pub fn noise(world: &World) -> [f64; 2] {
+    if world.view.map.paraboloid.is_some() {
+        // Directions are off by the rounding of points beside their distance.
+        return [3e-5 * f64::from(world.view.map.map_size), 4e-6];
+    }
     let (map, depth) = (f64::from(world.frame.map_margin), f64::from(world.frame.depth_margin));
     [1.0 / 1024.0 + (map - 1.0 / 64.0) / 32.0, 1e-6 + depth / 32.0]
 }
@@ -151,7 +155,9 @@ pub fn faces_away(world: &World, t: u32) -> Option<bool> {
 pub fn receiver(world: &World, pixel: u32, t: u32) -> Option<(Vec<Option<DVec3>>, DVec2, f64)> {
     let [a, b, c] = world.triangles[t as usize].corners?;
     let on_plane = |offset: DVec2| on_plane(world, pixel, t, offset);
-    let around = [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|o| on_plane(DVec2::from(o)));
+    // On a paraboloid it is another at every place.
+    let by = if world.view.map.paraboloid.is_some() { 1e-4 } else { 1.0 };
+    let around = [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].map(|o| on_plane(DVec2::from(o) * by));
     let [Some(p), Some(q), Some(r)] = around else { return None };
     let slope = Flat::new([p, q, r]).slope?;
     let places = world.samples.offsets().iter().map(|o| on_plane(DVec2::from(o.map(f64::from)) - 0.5)).collect();

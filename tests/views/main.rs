@@ -1,19 +1,22 @@
 //! Several views of a light: a cube of views around one that stands among its casters against traced rays, against one view where
 //! one is enough, parts of a map against the whole, and changes that must not change a bit.
 
+mod rooms;
+
 use lab::report::{FacetErrors, FacetSet};
 use lab::scene::{Scene, builtin};
 use oracle::engine;
 use oracle::truth::{SceneTruth, Tracer, join_mask};
+use rooms::{point, room, scenes};
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
-use subpixel_shadows::light_view::{LightView, MapTiles, PartBy, SplitPlan, Warp};
+use subpixel_shadows::light_view::{LightView, MapTiles, OmniMaps, PartBy, SplitPlan, Warp};
 use subpixel_shadows::methods::facet_masks::{Capacities, FacetMasks, FacetMode, Pipelines, Settings, Strip};
 use subpixel_shadows::methods::{MethodName, PageSettings, Prepared, RayTracedSettings};
 use subpixel_shadows::render::{Budget, Output, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
-use subpixel_shadows::scene::{Camera, Light, Mesh};
+use subpixel_shadows::scene::{Camera, Light};
 use test_support::{gpu, gpu_test};
 
 const SIZE: [u32; 2] = [64, 48];
@@ -21,60 +24,6 @@ const SIZE: [u32; 2] = [64, 48];
 fn settings(facets: FacetMode, samples: u32) -> Settings {
     let samples = Samples::new(Pattern::LowDiscrepancy, samples).expect("a pattern");
     Settings { facets, cull_back: true, ..Settings::new(SIZE, 64, samples) }
-}
-
-fn point(position: [f32; 3]) -> Light {
-    Light::Point { position }
-}
-
-fn add(mesh: &mut Mesh, corners: &[[f32; 3]], triangles: &[[u32; 3]]) {
-    let first = mesh.positions.len() as u32;
-    mesh.positions.extend_from_slice(corners);
-    mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| v + first)));
-}
-
-/// A box between two corners, its faces to the outside.
-fn block(mesh: &mut Mesh, low: [f32; 3], high: [f32; 3]) {
-    let corners: [[f32; 3]; 8] =
-        std::array::from_fn(|k| std::array::from_fn(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] }));
-    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
-    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, c, b], [a, d, c]]).collect();
-    add(mesh, &corners, &triangles);
-}
-
-/// A room of twelve triangles with some furniture around a lamp: its walls reach behind every side's view.
-fn room() -> Scene {
-    let mut mesh = Mesh::default();
-    block(&mut mesh, [-4.0, 0.0, -3.0], [4.0, 3.0, 3.0]);
-    block(&mut mesh, [1.0, 0.0, 0.5], [2.0, 0.8, 1.5]);
-    block(&mut mesh, [-2.0, 0.2, -2.0], [-1.2, 1.9, -1.4]);
-    block(&mut mesh, [-0.3, 2.5, -0.2], [0.4, 2.6, 0.3]);
-    block(&mut mesh, [0.9, 1.2, -1.8], [1.0, 2.2, -0.9]);
-    block(&mut mesh, [-1.5, 0.7, 1.1], [-0.5, 0.75, 1.9]);
-    let mut scene = Scene::of_mesh("room", mesh).expect("a scene");
-    scene.camera =
-        Camera { eye: [3.7, 2.7, 2.8], target: [-1.0, 0.7, -0.6], vertical_fov_degrees: 75.0, ..scene.camera };
-    scene.light = point([0.1, 1.7, 0.05]);
-    scene
-}
-
-/// As [`room`], without one of the wall's triangles: it is no closed body then, and the light stands outside the furniture.
-fn hall() -> Scene {
-    let mut scene = room();
-    scene.mesh.triangles.remove(0);
-    scene
-}
-
-fn scenes() -> Vec<(&'static str, Scene)> {
-    let with = |name: &'static str, light| (name, Scene { light, ..builtin(name).expect("a built-in scene") });
-    vec![
-        ("room", room()),
-        ("hall", hall()),
-        with("cage", point([0.5, 2.0, 0.8])),
-        with("plant", point([0.3, 1.3, 0.2])),
-        with("knot", point([0.3, 1.4, 0.2])),
-        with("spheres", Light::Spot { position: [0.3, 1.6, 0.2], target: [0.0; 3], angle_degrees: 90.0 }),
-    ]
 }
 
 fn render(scene: &Scene, settings: &Settings) -> Output {
@@ -258,7 +207,7 @@ fn blur(method: MethodName) -> f32 {
 }
 
 /// Those of the other methods whose answer is exact tell what `facet-masks` does of a light among its casters, to the bit; those with a map
-/// come as near to it as elsewhere, and nearer than to the picture of a lamp beside it.
+/// come as near to it as elsewhere, and nearer than to the picture of a lamp beside it, and on paraboloids as on planes.
 #[gpu_test]
 fn other_methods_take_a_cube() {
     let mut exact = 0;
@@ -288,10 +237,14 @@ fn other_methods_take_a_cube() {
             }
         };
         let moved = Scene { light: beside, ..scene.clone() };
-        for method in ask_one() {
+        let maps = [OmniMaps::Planes, OmniMaps::Paraboloids];
+        let with = |method: MethodName| maps.into_iter().filter(move |omni| *omni == maps[0] || method.takes("omni"));
+        for (method, omni) in ask_one().flat_map(|method| with(method).map(move |omni| (method, omni))) {
+            let settings = Settings { omni, ..settings.clone() };
             let [got, moved] = [&scene, &moved].map(|s| visibility(s, method, &settings).expect("a frame"));
             let [off, away] = [got, moved].map(|picture| mean_difference(&picture, &want));
-            assert!(off < 0.03 * blur(method) && 1.2 * off < away, "{name}, {}: {off}, moved {away}", method.name());
+            let name = format!("{name}, {} on {omni:?}", method.name());
+            assert!(off < 0.03 * blur(method) && 1.2 * off < away, "{name}: {off}, moved {away}");
         }
     }
     assert!(exact >= 16, "{exact} exact pictures");
@@ -305,9 +258,11 @@ fn other_methods_take_slices() {
     let pages = PageSettings { pages: Some(16384), finer: 3 };
     let settings = Settings { map: 96, pages, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
-    use PartBy::{Depth, FrustumFaces as Faces, SeenDepth as Seen};
+    use PartBy::{Depth, FrustumFaces as Faces, ReceiverClusters as Clusters, SeenDepth as Seen};
     use Warp::{Box, Fitted, Trapezoid};
-    for (by, splits, warp) in [(Depth, 1, Box), (Seen, 2, Fitted), (Depth, 4, Trapezoid), (Faces, 1, Fitted)] {
+    for (by, splits, warp) in
+        [(Depth, 1, Box), (Seen, 2, Fitted), (Depth, 4, Trapezoid), (Faces, 1, Fitted), (Clusters, 1, Fitted)]
+    {
         let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
         let sliced = Settings { partition: Some(plan), ..settings.clone() };
         let exact = visibility(&near, MethodName::Supersampled, &sliced);
@@ -320,7 +275,8 @@ fn other_methods_take_slices() {
                 .map(|s| visibility(&near, method, &Settings { map, ..s.clone() }).expect("a frame"));
             let [one, several] = [one, several].map(|picture| mean_difference(&picture, &want));
             // A trapezoid by focus alone may stretch what is far away, pages are as fine as pixels in any view, and the box in sight ends where depths do.
-            let matched = method == MethodName::ResolutionMatched || by == Seen;
+            // So do clusters of what is one object for the most part.
+            let matched = method == MethodName::ResolutionMatched || matches!(by, Seen | Clusters);
             let (better, most) = if warp == Trapezoid { (true, 0.009) } else { (several < one || matched, 0.007) };
             assert!(
                 several < most * blur(method) && better,
@@ -354,14 +310,20 @@ fn slices_tell_what_the_whole_view_does() {
             let slices = [(1, Box), (1, Fitted), (2, Trapezoid), (3, Perspective), (4, Fitted), (2, Stable)]
                 .map(|(splits, warp)| (if splits == 3 { PartBy::SeenDepth } else { PartBy::Depth }, splits, warp));
             let faces = [Box, Trapezoid, Fitted].map(|warp| (PartBy::FrustumFaces, 1, warp));
-            for (by, splits, warp) in slices.into_iter().chain(faces) {
+            let clusters = [Box, Trapezoid, Fitted].map(|warp| (PartBy::ReceiverClusters, 1, warp));
+            for (by, splits, warp) in slices.into_iter().chain(faces).chain(clusters) {
                 let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
                 let sliced = render(&scene, &Settings { partition: Some(plan), ..wanted.clone() });
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
                 denser += usize::from(sliced.counts.candidate_tests < output.counts.candidate_tests);
                 let views = wanted.light_views(&prepared, &scene.light).expect("views");
-                let slices = views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0, None);
-                assert!(slices.len() == splits as usize || by == PartBy::FrustumFaces);
+                let slices = match by {
+                    PartBy::ReceiverClusters => {
+                        views[0].clusters(&scene.camera, SIZE, bounds, &plan, prepared.objects())
+                    }
+                    _ => views[0].slices(&scene.camera, SIZE, bounds, &plan, 0.0, None),
+                };
+                assert!(slices.len() == splits as usize || by != PartBy::Depth && by != PartBy::SeenDepth);
                 if facets == FacetMode::All && slices.len() > 1 && warp != Stable {
                     assert!(seen(through(&scene, &wanted, &slices)) == whole, "{name}: {plan:?} by themselves");
                     for k in 0..slices.len() {
