@@ -35,17 +35,28 @@ pub const fn bare_length(text: &str) -> usize {
     write_bare(text, &mut [])
 }
 
-/// A text of WGSL without comments, indents and empty lines; `N` is its [`bare_length`].
+/// A text of WGSL without comments, indents, empty lines and the spaces that separate nothing; `N` is its [`bare_length`].
 pub const fn bare<const N: usize>(text: &str) -> [u8; N] {
     let mut out = [0; N];
     write_bare(text, &mut out);
     out
 }
 
+/// Whether a space between these tells two words or two operators from one.
+const fn are_apart(before: u8, after: u8) -> bool {
+    const fn is_word(byte: u8) -> bool {
+        byte.is_ascii_alphanumeric() || byte == b'_'
+    }
+    const fn is_operator(byte: u8) -> bool {
+        matches!(byte, b'+' | b'-' | b'*' | b'/' | b'%' | b'&' | b'|' | b'^' | b'<' | b'>' | b'=' | b'!' | b'~' | b'.')
+    }
+    is_word(before) && is_word(after) || is_operator(before) && is_operator(after)
+}
+
 /// Writes what [`bare`] gives, as far as there is room. How many bytes it is.
 pub const fn write_bare(text: &str, out: &mut [u8]) -> usize {
     let text = text.as_bytes();
-    let (mut read, mut length, mut begins) = (0, 0, true);
+    let (mut read, mut length, mut last) = (0, 0, b'\n');
     while read < text.len() {
         let mut byte = text[read];
         if byte == b'/' && read + 1 < text.len() && text[read + 1] == b'/' {
@@ -56,10 +67,11 @@ pub const fn write_bare(text: &str, out: &mut [u8]) -> usize {
         }
         read += 1;
         // Of a line that has begun its end is kept, too.
-        if begins && (byte == b' ' || byte == b'\n') {
+        let next = if read < text.len() { text[read] } else { b'\n' };
+        if last == b'\n' && byte == b'\n' || byte == b' ' && !are_apart(last, next) {
             continue;
         }
-        begins = byte == b'\n';
+        last = byte;
         if length < out.len() {
             out[length] = byte;
         }
@@ -74,9 +86,9 @@ mod tests {
 
     #[test]
     fn what_a_compiler_skips_is_left_out() {
-        const TEXT: &str = "// A comment.\n\nfn a() {\n    b(1 / 2); // Its end.\n\n}\n//@import c";
+        const TEXT: &str = "// A comment.\n\nfn a() {\n    b(1 / 2 - -x); // Its end.\n\n}\n//@import c";
         const BARE: [u8; bare_length(TEXT)] = bare(TEXT);
-        assert_eq!(std::str::from_utf8(&BARE), Ok("fn a() {\nb(1 / 2); \n}\n"));
+        assert_eq!(std::str::from_utf8(&BARE), Ok("fn a(){\nb(1/2- -x);\n}\n"));
         assert_eq!((bare_length(""), bare_length("// only"), bare_length("a/b")), (0, 0, 3));
     }
 }

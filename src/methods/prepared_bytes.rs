@@ -276,7 +276,8 @@ mod tests {
             Prepared::from_bytes(&other.to_bytes()).map(drop).map_err(|e| e.to_string())
         };
         assert_eq!(told(&|_| ()), Ok(()));
-        let changes: [(&dyn Fn(&mut Prepared), &str); 7] = [
+        type Change<'a> = (&'a dyn Fn(&mut Prepared), &'a str);
+        let changes: [Change; 7] = [
             (&|p| p.edges[5].v1 = u32::MAX, "out of range"),
             (&|p| p.edges[5].t0 = NO_TRIANGLE, "out of range"),
             (&|p| p.given[3] = triangles, "out of range"),

@@ -71,13 +71,15 @@ fn fonts() -> egui::FontDefinitions {
 pub fn save_png(name: &str, image: &egui::ColorImage) -> Result<(), String> {
     let [width, height] = image.size.map(|side| side as u32);
     let bytes: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
-    let mut png = Vec::new();
-    // The encoder itself: all that an `ImageFormat` can name would go into a page.
-    let encoder = image::codecs::png::PngEncoder::new(&mut png);
-    let written = image::ImageEncoder::write_image(encoder, &bytes, width, height, image::ExtendedColorType::Rgba8);
-    written.map_err(|e| format!("{name}: {e}"))?;
+    // The browser encodes it: an encoder of its own would make a page longer.
     #[cfg(target_family = "wasm")]
-    return web::offer(name, &png);
+    return web::offer_png(name, [width, height], &bytes);
     #[cfg(not(target_family = "wasm"))]
-    std::fs::write(name, png).map_err(|e| format!("{name}: {e}"))
+    {
+        let mut png = Vec::new();
+        let encoder = image::codecs::png::PngEncoder::new(&mut png);
+        let written = image::ImageEncoder::write_image(encoder, &bytes, width, height, image::ExtendedColorType::Rgba8);
+        written.map_err(|e| format!("{name}: {e}"))?;
+        std::fs::write(name, png).map_err(|e| format!("{name}: {e}"))
+    }
 }

@@ -6,8 +6,9 @@ use crate::{View, Viewer, configuration};
 use lab::options::DEFAULT_SCENE;
 use lab::scene::Files;
 use std::cell::RefCell;
+use wasm_bindgen::Clamped;
 use wasm_bindgen::prelude::*;
-use web_sys::{Blob, HtmlAnchorElement, HtmlCanvasElement, Url};
+use web_sys::{Blob, CanvasRenderingContext2d, Document, HtmlAnchorElement, HtmlCanvasElement, ImageData, Url};
 pub use worker::{SceneInWorker, open, pause, trace};
 
 /// Names of files, and their contents or why there is none.
@@ -50,16 +51,41 @@ pub fn take_dropped() -> Option<Read> {
 /// One line, if the browser refuses.
 pub fn offer(name: &str, bytes: &[u8]) -> Result<(), String> {
     let offered = || -> Result<(), JsValue> {
-        let document = web_sys::window().and_then(|w| w.document()).ok_or("no document")?;
         let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(bytes));
         let url = Url::create_object_url_with_blob(&Blob::new_with_u8_array_sequence(&parts)?)?;
-        let link: HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
-        link.set_href(&url);
-        link.set_download(name);
-        link.click();
+        download(name, &url)?;
         Url::revoke_object_url(&url)
     };
     offered().map_err(|e| format!("{name}: {e:?}"))
+}
+
+/// Offers an image of 4 bytes a pixel to be kept as a PNG file, which the browser makes.
+///
+/// # Errors
+/// As [`offer`].
+pub fn offer_png(name: &str, [width, height]: [u32; 2], pixels: &[u8]) -> Result<(), String> {
+    let offered = || -> Result<(), JsValue> {
+        let canvas: HtmlCanvasElement = document()?.create_element("canvas")?.dyn_into()?;
+        canvas.set_width(width);
+        canvas.set_height(height);
+        let drawing = canvas.get_context("2d")?.ok_or("no canvas")?.dyn_into::<CanvasRenderingContext2d>()?;
+        let image = ImageData::new_with_u8_clamped_array_and_sh(Clamped(pixels), width, height)?;
+        drawing.put_image_data(&image, 0.0, 0.0)?;
+        download(name, &canvas.to_data_url()?)
+    };
+    offered().map_err(|e| format!("{name}: {e:?}"))
+}
+
+fn document() -> Result<Document, JsValue> {
+    Ok(web_sys::window().and_then(|w| w.document()).ok_or("no document")?)
+}
+
+fn download(name: &str, url: &str) -> Result<(), JsValue> {
+    let link: HtmlAnchorElement = document()?.create_element("a")?.dyn_into()?;
+    link.set_href(url);
+    link.set_download(name);
+    link.click();
+    Ok(())
 }
 
 /// The viewer on a page, for its scripts.

@@ -99,15 +99,16 @@ impl Page {
 
     /// The canvas.
     fn shot(&mut self) -> image::RgbaImage {
-        let url = self.0.value(
-            "new Promise(taken => requestAnimationFrame(() => requestAnimationFrame(() =>
+        self.fetched(
+            "await new Promise(taken => requestAnimationFrame(() => requestAnimationFrame(() =>
                 taken(document.getElementById('canvas').toDataURL()))))",
-        );
-        let url = url.as_str().expect("an address").to_owned();
-        let bytes = self.0.value(&format!(
-            "fetch({}).then(file => file.arrayBuffer()).then(bytes => Array.from(new Uint8Array(bytes)))",
-            json!(url)
-        ));
+        )
+    }
+
+    /// The picture at the address that an expression gives.
+    fn fetched(&mut self, address: &str) -> image::RgbaImage {
+        let read = format!("(async () => Array.from(new Uint8Array(await (await fetch({address})).arrayBuffer())))()");
+        let bytes = self.0.value(&read);
         let bytes = bytes.as_array().expect("bytes").iter().map(|b| b.as_u64().expect("a byte") as u8);
         image::load_from_memory(&bytes.collect::<Vec<_>>()).expect("a PNG file").into_rgba8()
     }
@@ -382,6 +383,15 @@ fn a_screenshot_shows_the_picture() {
         }
     }
     assert!(right > 100 && wrong * 20 < right, "{right} right, {wrong} wrong");
+    // The file that a key offers is the picture.
+    page.0.value("globalThis.kept = null; HTMLAnchorElement.prototype.click = function () { kept = this.href }; true");
+    page.press("p", 80);
+    page.0.until("a picture is offered", "kept != null");
+    let offered = page.fetched("kept");
+    assert_eq!([offered.width(), offered.height()], size);
+    let other = |at: [u32; 2]| offered.get_pixel(at[0], at[1]) != shot.get_pixel(corner[0] + at[0], corner[1] + at[1]);
+    let differs = (0..size[0] * size[1]).filter(|p| other([p % size[0], p / size[0]])).count();
+    assert!(differs * 100 < offered.len() / 4, "{differs} pixels differ");
 }
 
 /// Classes have their colours in the tab, where they are asked for in the address or by a key; a view is offered as a scene file.
