@@ -62,8 +62,9 @@ impl<'a> Renderer<'a> {
         budget: Budget,
     ) -> Result<Self> {
         KeptPrograms::once(|| {
+            let (omni, alpha_tested) = (method.omni(settings), !prepared.alpha().is_empty());
+            let settings = &Settings { omni, alpha_tested, ..settings.clone() };
             settings.check()?;
-            let settings = &Settings { alpha_tested: !prepared.alpha().is_empty(), ..settings.clone() };
             let pipelines = MethodPipelines::new(&gpu.device, method, settings, false)?;
             Self::with(gpu, prepared, settings, budget, pipelines, 1)
         })

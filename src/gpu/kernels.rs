@@ -20,6 +20,7 @@ pub mod axis_density {
         REQUEST_WORDS = 22529, ONE = 128, MOST = 131072, SPREAD = 4, REQUESTED = 0, LOGARITHMIC = 1,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         density: u32 = 0, "DENSITY",
         stretch: u32 = 64, "STRETCH",
     }
@@ -313,6 +314,7 @@ pub mod deep_shadows {
         NO_PLACE = 16777215, WHOLE = 128, WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         sub: u32 = 4, "SUB",
         nodes: u32 = 7, "NODES",
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -576,6 +578,7 @@ pub mod history {
         WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         reach: f32 = 1.0, "REACH",
         power: u32 = 8, "POWER",
     }
@@ -638,6 +641,7 @@ pub mod kept_triangles {
         ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         alpha: u32 = 0, "ALPHA",
         lookups: u32 = 5, "LOOKUPS",
         bias: f32 = 1e-5, "BIAS",
@@ -861,6 +865,7 @@ pub mod moment_shadows {
         MOST_PROBES = 16, WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         layers: u32 = 0, "LAYERS",
         terms: u32 = 0, "TERMS",
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
@@ -958,6 +963,7 @@ pub mod page_query {
         PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64, THIRDS = 3, TABLE_TAIL = 2,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         page_base: u32 = 3, "PAGE_BASE",
         page_last: u32 = 8, "PAGE_LAST",
         bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
@@ -999,6 +1005,7 @@ pub mod page_requests {
         TABLE_TAIL = 2,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         page_base: u32 = 3, "PAGE_BASE",
         page_last: u32 = 8, "PAGE_LAST",
         finer: u32 = 0, "FINER",
@@ -1043,6 +1050,7 @@ pub mod paraboloid_casters {
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
+        paraboloids: u32 = 1, "PARABOLOIDS",
     }
     entry_point! { "paraboloid_casters", "count", [64, 1, 1], SOURCE, Constants => Count, CountProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1430,6 +1438,7 @@ pub mod pixel_views {
         WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         reach: f32 = 1.0, "REACH",
         stride: u32 = 1, "STRIDE",
         skip: u32 = 0, "SKIP",
@@ -1480,6 +1489,7 @@ pub mod polygon_ids {
         WORKGROUP = 64, NAME = 2147483647,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         lookups: u32 = 1, "LOOKUPS",
     }
     entry_point! { "polygon_ids", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
@@ -1970,6 +1980,7 @@ pub mod seen_texels {
         CLASS_SHADOWED = 3, CLASS_UNCERTAIN = 4, COVERS_ONE = 1, COVERS_TEXEL = 2, WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         encoding: u32 = 1, "ENCODING",
         split: u32 = 1, "SPLIT",
         bias: f32 = 1e-5, "BIAS",
@@ -2026,6 +2037,7 @@ pub mod shadow_map {
         WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         kernel: u32 = 1, "KERNEL",
         bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
         bias_slope: f32 = 1.0, "BIAS_SLOPE",
@@ -2158,6 +2170,7 @@ pub mod silhouette_map {
         WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         bias_constant: f32 = 5e-5, "BIAS_CONSTANT",
         bias_slope: f32 = 1.05, "BIAS_SLOPE",
     }
@@ -2270,6 +2283,7 @@ pub mod smsr {
         WORKGROUP = 64, DARK = 0, LIT = 1, SEVERAL = 2,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         bias_slope: f32 = 0.5, "BIAS_SLOPE",
         reach: u32 = 16, "REACH",
         midpoints: u32 = 1, "MIDPOINTS",
@@ -2498,6 +2512,7 @@ pub mod spsm_query {
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
+        paraboloids: u32 = 1, "PARABOLOIDS",
         split: u32 = 1, "SPLIT",
         bias: f32 = 1e-5, "BIAS",
         radius: i32 = 1, "RADIUS",
@@ -3065,6 +3080,7 @@ pub mod warped_query {
         AXIS_CELLS = 1024, WORKGROUP = 64,
     }
     overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
         bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
         bias_slope: f32 = 1.0, "BIAS_SLOPE",
     }

@@ -1,5 +1,6 @@
 //! Pipelines that are made while the application goes on.
 
+use super::checks::settled;
 use super::{CasterMesh, CasterPart, Casters, PassConfig, ShadowPass};
 use crate::gpu::kept::Uncompiled;
 use crate::methods::{MethodName, Settings};
@@ -113,7 +114,7 @@ fn kind_of(casters: &Casters) -> Casters<'static> {
 }
 
 fn store_of(config: &PassConfig) -> Result<crate::gpu::KeptPrograms> {
-    config.settings.check()?;
+    settled(&config.settings, config.method).check()?;
     let none =
         || Error::Config("pipelines to come are kept in a store: the configuration has no `programs`".to_owned());
     config.programs.cloned().ok_or_else(none)

@@ -122,6 +122,7 @@ impl Plan {
         force_all: bool,
     ) -> Result<Self> {
         let query = method.row().query;
+        let wanted = &Settings { omni: method.omni(wanted), ..wanted.clone() };
         let own: &[(&str, &str)] = match query {
             TexelQuery::Facets => return Self::of(prepared, camera, light, wanted, force_all),
             TexelQuery::Triangles => &SPSM_STAGES,
@@ -159,7 +160,7 @@ impl Plan {
             }
             _ => reason.clone(),
         };
-        let curved = method.omni(wanted) == OmniMaps::Paraboloids;
+        let curved = wanted.omni == OmniMaps::Paraboloids;
         let own = own.iter().map(|&step| if curved && step == NEAREST { CURVED } else { step });
         let own = own.map(|(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
         let kept = |s: &PlanStep| match s.name {

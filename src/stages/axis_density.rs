@@ -91,7 +91,7 @@ impl AxisDensity {
             DensityRule::Requested => kernel::REQUESTED,
             DensityRule::Logarithmic => kernel::LOGARITHMIC,
         };
-        let constants = kernel::Constants { density, stretch };
+        let constants = kernel::Constants { paraboloids: 0, density, stretch };
         Ok(Self {
             request: kernel::RequestProgram::new(device, constants),
             shape: kernel::ShapeProgram::new(device, constants),

@@ -25,7 +25,7 @@ impl DeepShadows {
     /// casters along it, and times what its plane rises from a texel's middle to its corner.
     pub fn new(device: &wgpu::Device, options: DeepMapOptions, [constant, slope]: [f32; 2]) -> Self {
         let DeepMapOptions { sub_texels: sub, nodes, .. } = options;
-        let constants = kernel::Constants { sub, nodes, bias_constant: constant, bias_slope: slope };
+        let constants = kernel::Constants { paraboloids: 0, sub, nodes, bias_constant: constant, bias_slope: slope };
         Self { ask: kernel::AskProgram::new(device, constants) }
     }
 

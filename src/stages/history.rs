@@ -97,7 +97,7 @@ impl History {
     /// Builds the pipeline: views are chosen as by [`PixelViews`](super::pixel_views::PixelViews) with the same `reach`; the confidence is
     /// taken to `power`.
     pub fn new(device: &wgpu::Device, reach: f32, power: u32) -> Self {
-        Self { blend: kernel::BlendProgram::new(device, kernel::Constants { reach, power }) }
+        Self { blend: kernel::BlendProgram::new(device, kernel::Constants { paraboloids: 0, reach, power }) }
     }
 
     /// Records what becomes of `visibility`.

@@ -37,7 +37,7 @@ impl KeptTriangles {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, options: KeptTrianglesOptions) -> Self {
         let KeptTrianglesOptions { lookups, bias, words, alpha } = options;
-        let constants = kernel::Constants { lookups, bias, words, alpha: u32::from(alpha) };
+        let constants = kernel::Constants { paraboloids: 0, lookups, bias, words, alpha: u32::from(alpha) };
         Self { look_up: kernel::LookUpProgram::new(device, constants) }
     }
 

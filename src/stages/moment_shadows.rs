@@ -58,6 +58,7 @@ impl MomentShadows {
         };
         let (layers, terms) = measures.counts();
         let constants = kernel::Constants {
+            paraboloids: 1,
             bias_constant: constant,
             bleeding,
             grazing,

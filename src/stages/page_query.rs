@@ -24,7 +24,7 @@ impl PageQuery {
     /// Builds the pipeline for a tree and a bias: constant, and times the steeper slope of the receiver per texel of the page.
     pub fn new(device: &wgpu::Device, tree: PageTree, [bias_constant, bias_slope]: [f32; 2]) -> Self {
         let PageTree { base: page_base, last: page_last } = tree;
-        let constants = kernel::Constants { bias_constant, bias_slope, page_base, page_last };
+        let constants = kernel::Constants { paraboloids: 0, bias_constant, bias_slope, page_base, page_last };
         Self { compare: kernel::CompareProgram::new(device, constants) }
     }
 

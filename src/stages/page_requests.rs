@@ -153,7 +153,7 @@ impl PageRequests {
         if !(1..=most).contains(&budget) {
             return Err(Error::Config(format!("page_requests: {budget} pages; 1 to {most} are possible")));
         }
-        let constants = kernel::Constants { finer, budget, page_base: tree.base, page_last: tree.last };
+        let constants = kernel::Constants { paraboloids: 0, finer, budget, page_base: tree.base, page_last: tree.last };
         Ok(Self {
             request: kernel::RequestProgram::new(device, constants),
             choose: kernel::ChooseProgram::new(device, constants),

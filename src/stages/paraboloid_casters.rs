@@ -60,7 +60,7 @@ impl CurvedWork {
 impl ParaboloidCasters {
     /// Builds the pipelines; `alpha`: triangles may be alpha-tested.
     pub fn new(device: &wgpu::Device, alpha: bool) -> Self {
-        let constants = kernel::Constants { alpha: u32::from(alpha) };
+        let constants = kernel::Constants { paraboloids: 1, alpha: u32::from(alpha) };
         Self {
             count: kernel::CountProgram::new(device, constants),
             raster: kernel::RasterProgram::new(device, constants),

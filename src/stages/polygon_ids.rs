@@ -34,7 +34,7 @@ pub struct PolygonIds {
 impl PolygonIds {
     /// Builds the pipeline. `lookups`: texels a side around a sample's of which one must keep its receiver's polygon: 1, 3, 5 or 7.
     pub fn new(device: &wgpu::Device, lookups: u32) -> Self {
-        Self { compare: kernel::CompareProgram::new(device, kernel::Constants { lookups }) }
+        Self { compare: kernel::CompareProgram::new(device, kernel::Constants { paraboloids: 0, lookups }) }
     }
 
     /// Records the comparison of every pixel.

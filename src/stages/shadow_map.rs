@@ -39,6 +39,7 @@ impl ShadowMap {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, options: ShadowMapOptions) -> Self {
         let constants = kernel::Constants {
+            paraboloids: 1,
             kernel: options.kernel,
             bias_constant: options.constant,
             bias_slope: options.slope,

@@ -20,7 +20,7 @@ pub struct SilhouetteMap {
 impl SilhouetteMap {
     /// Builds the pipeline; a receiver is moved towards the light by the depth `constant` and by `slope` times its steeper slope per texel.
     pub fn new(device: &wgpu::Device, constant: f32, slope: f32) -> Self {
-        let constants = kernel::Constants { bias_constant: constant, bias_slope: slope };
+        let constants = kernel::Constants { paraboloids: 0, bias_constant: constant, bias_slope: slope };
         Self { compare: kernel::CompareProgram::new(device, constants) }
     }
 

@@ -36,6 +36,7 @@ impl Smsr {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device, options: SmsrOptions) -> Self {
         let constants = kernel::Constants {
+            paraboloids: 1,
             reach: options.reach,
             midpoints: u32::from(options.midpoints),
             bias_constant: options.constant,

@@ -140,6 +140,8 @@ impl SpsmQuery {
             stretch: options.stretch as i32,
             recovery: u32::from(options.recovery),
             bias: options.bias,
+            // A paraboloid has no straight border to reconstruct.
+            paraboloids: 0,
         };
         Self {
             classify: kernel::ClassifyProgram::new(device, constants),

@@ -23,7 +23,7 @@ pub struct WarpedQuery {
 impl WarpedQuery {
     /// Builds the pipeline for a bias: constant, and times the receiver's change of depth across its texel.
     pub fn new(device: &wgpu::Device, [bias_constant, bias_slope]: [f32; 2]) -> Self {
-        let constants = kernel::Constants { bias_constant, bias_slope };
+        let constants = kernel::Constants { paraboloids: 0, bias_constant, bias_slope };
         Self { compare: kernel::CompareProgram::new(device, constants) }
     }
 

@@ -244,7 +244,11 @@ fn other_methods_take_a_cube() {
             let [got, moved] = [&scene, &moved].map(|s| visibility(s, method, &settings).expect("a frame"));
             let [off, away] = [got, moved].map(|picture| mean_difference(&picture, &want));
             let name = format!("{name}, {} on {omni:?}", method.name());
-            assert!(off < 0.03 * blur(method) && 1.2 * off < away, "{name}: {off}, moved {away}");
+            // Two maps have a third of the texels of six.
+            let most = if omni == OmniMaps::Paraboloids { 0.05 } else { 0.03 };
+            // Half a pixel of all is no other picture.
+            let nearer = 1.2 * off < away || off < 2e-4;
+            assert!(off < most * blur(method) && nearer, "{name}: {off}, moved {away}");
         }
     }
     assert!(exact >= 16, "{exact} exact pictures");
@@ -295,8 +299,10 @@ fn slices_tell_what_the_whole_view_does() {
     inside.camera = Camera { eye: [0.4, 0.5, 1.1], target: [0.0, 0.8, 0.0], near: 0.01, ..inside.camera };
     let mut lamp = builtin("plant").expect("a built-in scene");
     lamp.light = point([1.0, 2.0, 1.0]);
-    let scenes = [("windmill", builtin("windmill").expect("a built-in scene")), ("inside", inside), ("lamp", lamp)];
-    let [mut missed, mut left_out, mut denser] = [0; 3];
+    let [windmill, city] = ["windmill", "sparse-city"].map(|name| (name, builtin(name).expect("a built-in scene")));
+    let scenes = [windmill, ("inside", inside), ("lamp", lamp), city];
+    // Of slices, and of clusters, of whose pixels many lie in another one's view, too.
+    let ([mut missed, mut left_out], mut denser) = ([[0; 2]; 2], 0);
     for (name, scene) in scenes {
         let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
         let bounds = prepared.mesh().bounds().expect("a mesh");
@@ -312,6 +318,10 @@ fn slices_tell_what_the_whole_view_does() {
             let faces = [Box, Trapezoid, Fitted].map(|warp| (PartBy::FrustumFaces, 1, warp));
             let clusters = [Box, Trapezoid, Fitted].map(|warp| (PartBy::ReceiverClusters, 1, warp));
             for (by, splits, warp) in slices.into_iter().chain(faces).chain(clusters) {
+                // Its objects lie apart.
+                if name == "sparse-city" && by != PartBy::ReceiverClusters {
+                    continue;
+                }
                 let plan = SplitPlan { by, splits, warp, focus: 0.3, ..SplitPlan::default() };
                 let sliced = render(&scene, &Settings { partition: Some(plan), ..wanted.clone() });
                 assert!(seen(picture(&sliced)) == whole, "{name} {facets:?}: {plan:?}");
@@ -329,14 +339,16 @@ fn slices_tell_what_the_whole_view_does() {
                     for k in 0..slices.len() {
                         let mut fewer = slices.clone();
                         fewer.remove(k);
-                        left_out += 1;
-                        missed += usize::from(seen(through(&scene, &wanted, &fewer)) != whole);
+                        let kind = usize::from(by == PartBy::ReceiverClusters);
+                        left_out[kind] += 1;
+                        missed[kind] += usize::from(seen(through(&scene, &wanted, &fewer)) != whole);
                     }
                 }
             }
         }
     }
-    assert!(3 * missed > left_out, "leaving out a slice shows {missed} times of {left_out}");
+    println!("leaving out slices and clusters shows {missed:?} times of {left_out:?}");
+    assert!(3 * missed[0] > left_out[0] && missed[1] > 2, "leaving out one shows {missed:?} times of {left_out:?}");
     assert!(denser > 5, "{denser} frames have fewer tests");
 }
 

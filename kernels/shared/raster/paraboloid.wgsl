@@ -8,7 +8,9 @@
 
 const POLE = 0.0001;  // 1 and the cosine of the angle to the axis: from there on nothing is in front
 
-fn is_paraboloid() -> bool { return (frame.flags & FLAG_PARABOLOID) != 0u; }
+override PARABOLOIDS: u32 = 1u;  // 0 leaves out the code for such views
+
+fn is_paraboloid() -> bool { return PARABOLOIDS != 0u && (frame.flags & FLAG_PARABOLOID) != 0u; }
 
 // Away from the light.
 fn from_light(point: vec3<f32>) -> vec3<f32> { return (point - frame.light.xyz) - frame.light_low.xyz; }
