@@ -1,4 +1,4 @@
-// What of a surface is within the reach of a light: of its range, and of its cone.
+// Parts of a surface within the reach of a light: of its range, and of its cone.
 
 //@import frame facet facing vertex pixel_ray light_part
 //@needs var<uniform> frame: Frame;

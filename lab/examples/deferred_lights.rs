@@ -4,17 +4,19 @@
 //! `cargo run --release --example deferred_lights -- [--size WxH] [--samples N] [--out DIR]` draws four jittered frames, holds the visibility of
 //! each light in each against rays, by the pass's own search and by the G-buffer, and writes `deferred_lights.png`, the mean of the frames.
 
+#[path = "shared/asked.rs"]
+mod asked;
 #[path = "shared/picture.rs"]
 mod picture;
 #[path = "shared/read.rs"]
 mod read;
 
+use asked::Asked;
 use lab::report::{TracedScene, write_png_rgb};
 use lab::scene::{Camera, Light, Mesh};
 use oracle::truth::Tracer;
 use picture::picture;
 use read::read;
-use std::path::PathBuf;
 use subpixel_shadows::glam::{Mat4, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::{Prepared, Settings};
@@ -65,30 +67,6 @@ struct Corner {
     }
     return vec4<f32>(sqrt(colour), 1.0);
 }";
-
-struct Asked {
-    size: [u32; 2],
-    samples: u32,
-    out: PathBuf,
-}
-
-impl Asked {
-    fn of(mut words: impl Iterator<Item = String>) -> Result<Self> {
-        let mut asked = Self { size: [320, 240], samples: 32, out: "out/deferred_lights".into() };
-        while let Some(word) = words.next() {
-            let value = words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")))?;
-            match word.as_str() {
-                "--samples" => {
-                    asked.samples = value.parse().map_err(|e| Error::Config(format!("{word} {value}: {e}")))?;
-                }
-                "--size" => asked.size = lab::options::size(&value).map_err(Error::Config)?,
-                "--out" => asked.out = value.into(),
-                _ => return Err(Error::Config(format!("'{word}' is not known"))),
-            }
-        }
-        Ok(asked)
-    }
-}
 
 /// Rows of a matrix whose fourth column is added.
 type Transform = [[f32; 4]; 3];
@@ -320,7 +298,7 @@ impl Deferred {
 }
 
 fn main() -> Result<()> {
-    let asked = Asked::of(std::env::args().skip(1))?;
+    let asked = Asked::of(std::env::args().skip(1), "out/deferred_lights")?;
     let (gpu, world) = (Gpu::open(None)?, World::new());
     println!("adapter: {}", gpu.adapter.name);
     let lights = [

@@ -3,6 +3,8 @@
 //! `cargo run --release --example forward_plus -- [--size WxH] [--samples N] [--out DIR]` draws a frame, holds every byte of the lists against
 //! traced truth, and writes `forward_plus.png` and `lights.png`, how many lights a tile has.
 
+#[path = "shared/asked.rs"]
+mod asked;
 #[path = "shared/picture.rs"]
 mod picture;
 #[path = "shared/read.rs"]
@@ -10,6 +12,7 @@ mod read;
 #[path = "shared/sixteen_spots.rs"]
 mod sixteen_spots;
 
+use asked::Asked;
 use lab::report::write_png_rgb;
 use lab::scene::{Camera, Light, Mesh};
 use oracle::reference::light_lists::{LightVolume, listed};
@@ -17,7 +20,6 @@ use oracle::truth::{SceneTruth, Tracer, join_mask};
 use picture::picture;
 use read::read;
 use sixteen_spots::sixteen_spots;
-use std::path::PathBuf;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::Settings;
@@ -63,30 +65,6 @@ struct Corner { @builtin(position) at: vec4<f32>, @location(0) world: vec3<f32> 
     // Red where a light had no room in the lists.
     return select(vec4<f32>(1.0, 0.0, 0.0, 1.0), vec4<f32>(sqrt(colour), 1.0), lists_all_lights(pixel));
 }";
-
-struct Asked {
-    size: [u32; 2],
-    samples: u32,
-    out: PathBuf,
-}
-
-impl Asked {
-    fn of(mut words: impl Iterator<Item = String>) -> Result<Self> {
-        let mut asked = Self { size: [320, 240], samples: 32, out: "out/forward_plus".into() };
-        while let Some(word) = words.next() {
-            let value = words.next().ok_or_else(|| Error::Config(format!("{word} needs a value")))?;
-            match word.as_str() {
-                "--samples" => {
-                    asked.samples = value.parse().map_err(|e| Error::Config(format!("{word} {value}: {e}")))?;
-                }
-                "--size" => asked.size = lab::options::size(&value).map_err(Error::Config)?,
-                "--out" => asked.out = value.into(),
-                _ => return Err(Error::Config(format!("'{word}' is not known"))),
-            }
-        }
-        Ok(asked)
-    }
-}
 
 /// The frame's own shading pass.
 struct Forward {
@@ -230,7 +208,7 @@ fn spot(k: u32, light: &Light) -> [[f32; 4]; 3] {
 }
 
 fn main() -> Result<()> {
-    let asked = Asked::of(std::env::args().skip(1))?;
+    let asked = Asked::of(std::env::args().skip(1), "out/forward_plus")?;
     let gpu = Gpu::open(None)?;
     println!("adapter: {}", gpu.adapter.name);
     let (mesh, camera, lights) = sixteen_spots();

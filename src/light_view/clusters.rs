@@ -8,7 +8,7 @@ use super::{LightView, PartBy, SeenBox, SplitPlan, Warp};
 use crate::scene::Camera;
 use glam::{DVec2, DVec3};
 
-/// What is seen of some objects.
+/// The seen part of some objects.
 #[derive(Clone, Copy, Debug)]
 struct SeenCluster {
     /// Box of the objects.
@@ -70,7 +70,7 @@ impl SeenBox {
         low.cmple(high).all().then_some((low, high))
     }
 
-    /// What is seen of the box; `None` if it is nothing.
+    /// The seen part of the box; `None` if it is nothing.
     fn seen_cluster(&self, view: &LightView, near: f64, far: f64) -> Option<SeenCluster> {
         let part = self.part(view, near, far);
         let mut on_map = (DVec2::INFINITY, DVec2::NEG_INFINITY);

@@ -46,7 +46,7 @@ fn targets(lights: &[Light]) -> Vec<LightTarget<'static>> {
     lights.iter().map(|light| LightTarget { reach: REACH, ..LightTarget::new(*light, Target::default()) }).collect()
 }
 
-/// What an application's shader reads: visibility by light of every pixel, and how many lights its tile has.
+/// The words that an application's shader reads: visibility by light of every pixel, and how many lights its tile has.
 fn shaded(lists: &wgpu::Buffer, lights: usize) -> (Vec<f32>, Vec<u32>) {
     let device = &gpu().device;
     let [width, height] = SIZE;

@@ -22,7 +22,7 @@ pub struct Opened {
     pub rays: Rays,
 }
 
-/// What an opening ends with: a scene, or one line on why there is none.
+/// The end of an opening: a scene, or one line on why there is none.
 pub type Opening = std::result::Result<Opened, String>;
 
 impl Opened {

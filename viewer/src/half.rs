@@ -31,7 +31,7 @@ impl Gpu {
     fn wake_when_done(&self) {
         if cfg!(target_family = "wasm") {
             let context = self.context.clone();
-            // What is read back is there a moment later.
+            // Status words are read back a moment later.
             self.queue.on_submitted_work_done(move || context.request_repaint_after(Duration::from_millis(8)));
         }
     }

@@ -83,7 +83,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("density", &[&|s| s.axes.density = DensityRule::Logarithmic]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all.push(Settings { count_pixels: true, ..plain.clone() });
-    // What rasterizes on paraboloids is the same for all.
+    // Rasterizing on paraboloids is the same for all.
     let curved = |s: &Settings| Settings { omni: OmniMaps::Paraboloids, ..s.clone() };
     if method == MethodName::ShadowMap {
         all.push(curved(plain));

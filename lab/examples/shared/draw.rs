@@ -119,7 +119,7 @@ impl Draw {
     }
 
     /// Draws images of another size from now on.
-    #[allow(dead_code, reason = "windows alone change their size")]
+    #[cfg(feature = "window")]
     pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) {
         self.size = size;
         [self.visibility, self.depth] = images(device, size);
@@ -177,7 +177,7 @@ impl Draw {
 }
 
 /// A camera that has gone around its target by an angle.
-#[allow(dead_code, reason = "windows alone turn")]
+#[cfg(feature = "window")]
 pub fn around(camera: &Camera, angle: f32) -> Camera {
     let target = Vec3::from(camera.target);
     let away = Vec3::from(camera.eye) - target;

@@ -25,7 +25,7 @@ pub trait Drawn {
     ) -> Result<()>;
 }
 
-/// What the window draws by.
+/// An open window, its device, and the drawing in it.
 struct Open<D> {
     window: Arc<Window>,
     surface: wgpu::Surface<'static>,

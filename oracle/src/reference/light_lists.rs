@@ -9,7 +9,7 @@ pub const TILE: usize = 8;
 /// Mark of a tile some light of which had no room.
 pub const LACKS: u32 = 1 << 31;
 
-/// What a light reaches.
+/// The reach of a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightVolume {
     /// The light.

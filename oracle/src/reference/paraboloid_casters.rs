@@ -27,7 +27,7 @@ pub fn texels(view: &View, triangles: &[Option<[DVec3; 3]>]) -> Vec<CurvedTexel>
     (0..size * size).into_par_iter().map(|k| texel(view, &from_light, place(k))).collect()
 }
 
-/// What a ray of length 1 from the light meets first.
+/// The nearest meeting of a ray of length 1 from the light with a triangle.
 fn texel(view: &View, triangles: &[[DVec3; 3]], ray: DVec3) -> CurvedTexel {
     let mut texel = CurvedTexel::default();
     for corners in triangles {
