@@ -132,7 +132,7 @@ fn cut_facets(
         let g = ground_of(pair.x);
         // Where a cut ends is a ratio of heights, of which single precision may know no more than the signs.
         let n = full_normal(g.own);
-        let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
+        let h = full_heights_of(g, n, i);
         if all(h <= vec3(0.0)) { continue; }
         let a = point_of(i.x);
         let b = point_of(i.y);
@@ -181,32 +181,21 @@ fn refine(
     let i = rising(given.xyz);
     let g = ground_of(pair.x);
     let n = full_normal(g.own);
-    let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
+    let h = full_heights_of(g, n, i);
     if all(h <= vec3(0.0)) { return; }
     let crosses = !all(h > vec3(0.0));
-    var own = vec3(0.0);
-    if crosses { own = full_line(g, n, full_normal(i), i.x); }
     let a = point_of(i.x);
     let b = point_of(i.y);
     let c = point_of(i.z);
+    // Edge-on to the light it casts nothing, but it may still cut.
     let turn = full_turn_of(i);
-    if turn == 0.0 {
-        // Edge-on to the light it casts nothing, but it may still cut.
-        if crosses { cut(pair.x, g, own, a, b, c, h); }
-        return;
-    }
+    if turn == 0.0 && !crosses { return; }
     let owned = owned_by(i, g.own);
     let beside = is_beside(g, i, owned, turn);
     if beside && g.alone { return; }
-    let ab = full_edge_line(g, n, i.xy);
-    let bc = full_edge_line(g, n, i.yz);
-    let ac = full_edge_line(g, n, i.xz);
-    if !crosses { own = vec3(3.0e38, 0.0, 0.0) * turn; }
-    var l = Lines(
-        turn * vec4(ab.x, bc.x, -ac.x, own.x), turn * vec4(ab.y, bc.y, -ac.y, own.y),
-        turn * vec4(ab.z, bc.z, -ac.z, own.z));
+    var l = full_lines(g, n, i, select(turn, 1.0, turn == 0.0), crosses);
     let edges = EdgeLines(l.centre.xyz, l.right.xyz, l.down.xyz);
     l.centre = centre_of(l, beside, owned);
-    add(pair.x, 1u, solid_samples(pair.x, g, given, edges, inside(l)));
+    if turn != 0.0 { add(pair.x, 1u, solid_samples(pair.x, g, given, edges, inside(l))); }
     cut(pair.x, g, vec3(l.centre.w, l.right.w, l.down.w), a, b, c, h);
 }

@@ -1,17 +1,10 @@
 // From lines of the image to masks of samples.
 
-//@import sample_copy
+//@import shadow_lines sample_copy
 //@needs override WORDS: u32;
 //@needs override ANGLES: u32;
 //@needs override OFFSETS: u32;
 //@needs var<storage, read> table: array<u32>;
-
-// Four half-planes as matrices: column k holds what line k is at the centre, per pixel right, per pixel down.
-struct Lines {
-    centre: vec4<f32>,
-    right: vec4<f32>,
-    down: vec4<f32>,
-}
 
 // Of the samples of a word: which lie outside a line, and how near any comes to changing that, in the lines'
 // own units.

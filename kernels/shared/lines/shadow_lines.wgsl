@@ -29,6 +29,13 @@ struct Ground {
     turn: f32,              // 1 if that, in the order of `own`, turns to the light, -1 if it turns away
 }
 
+// Four half-planes as matrices: column k holds what line k is at the centre, per pixel right, per pixel down.
+struct Lines {
+    centre: vec4<f32>,
+    right: vec4<f32>,
+    down: vec4<f32>,
+}
+
 const TINY = 5.9604645e-8;        // 2^-24
 const LINE_TRUST = 0.001953125;   // pixels; half of the band in which a sample's side counts as open
 // Pixels across and down; above half a step of a rasterizer's grid, by which it may have moved an edge

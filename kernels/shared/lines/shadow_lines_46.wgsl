@@ -38,6 +38,29 @@ fn full_line(g: Ground, n: Df3, m: Df3, v: u32) -> vec3<f32> {
             df3_along(w, frame.ray_y.xyz).x);
 }
 
-fn full_edge_line(g: Ground, n: Df3, i: vec2<u32>) -> vec3<f32> {
-    return full_line(g, n, df3_cross(full_edge_of(i.x, i.y), full_to_light(full_point_of(i.x))), i.x);
+// One after the other: three copies of the arithmetic of 46 bits take compilers long.
+fn full_heights_of(g: Ground, n: Df3, i: vec3<u32>) -> vec3<f32> {
+    var h = vec3(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        h = select(h, vec3(full_height_of(g, n, i[k])), vec3(0u, 1u, 2u) == vec3(k));
+    }
+    return h;
+}
+
+// The lines of edges xy, yz and xz, then of the triangle's own plane where that `crosses` the facet; positive
+// inside for `turn`, that of the triangle to the light.
+fn full_lines(g: Ground, n: Df3, i: vec3<u32>, turn: f32, crosses: bool) -> Lines {
+    var l = Lines(vec4(0.0, 0.0, 0.0, 3.0e38), vec4(0.0), vec4(0.0));
+    for (var k = 0u; k < select(3u, 4u, crosses); k++) {
+        let start = select(i.x, i.y, k == 1u);
+        var other = full_to_light(full_point_of(start));
+        if k == 3u { other = full_edge_of(i.x, i.z); }
+        let edge = full_edge_of(start, select(i.z, i.y, k == 0u || k == 3u));
+        let line = select(turn, -turn, k == 2u) * full_line(g, n, df3_cross(edge, other), start);
+        let here = vec4(0u, 1u, 2u, 3u) == vec4(k);
+        l.centre = select(l.centre, vec4(line.x), here);
+        l.right = select(l.right, vec4(line.y), here);
+        l.down = select(l.down, vec4(line.z), here);
+    }
+    return l;
 }

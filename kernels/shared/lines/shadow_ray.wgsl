@@ -164,26 +164,26 @@ fn blocks_46(g: Ground, offset: vec2<f32>, k: u32) -> u32 {
     let c = caster_of(k);
     let i = rising(c.vertices);
     let n = full_normal(g.own);
-    let h = vec3(full_height_of(g, n, i.x), full_height_of(g, n, i.y), full_height_of(g, n, i.z));
+    let h = full_heights_of(g, n, i);
     if all(h <= vec3(0.0)) { return FREE; }
     let turn = full_turn_of(i);
     if turn == 0.0 { return FREE; }
     let owned = owned_by(i, g.own);
     let beside = is_centre(offset) && is_beside(g, i, owned, turn);
+    let crosses = !all(h > vec3(0.0));
+    let l = full_lines(g, n, i, turn, crosses);
     let at = vec3(1.0, offset);
-    // Of c, a, b: each the part of the edge opposite.
-    let ab_line = turn * full_edge_line(g, n, i.xy);
-    var parts = vec3(0.0, 0.0, dot(at, ab_line));
+    let ab_line = vec3(l.centre.x, l.right.x, l.down.x);
+    let bc_line = vec3(l.centre.y, l.right.y, l.down.y);
+    let ca_line = vec3(l.centre.z, l.right.z, l.down.z);
+    // Of a, b, c: each the part of the edge opposite.
+    var parts = vec3(dot(at, bc_line), dot(at, ca_line), dot(at, ab_line));
     let ab = dot(at, beyond_centre(ab_line, beside & !owned.z));
-    let bc_line = turn * full_edge_line(g, n, i.yz);
-    parts.x = dot(at, bc_line);
     let bc = dot(at, beyond_centre(bc_line, beside & !owned.x));
-    let ca_line = -turn * full_edge_line(g, n, i.xz);
-    parts.y = dot(at, ca_line);
     let ca = dot(at, beyond_centre(ca_line, beside & !owned.y));
     var least = min(ab, min(bc, ca));
-    if !all(h > vec3(0.0)) {
-        let own = turn * full_line(g, n, full_normal(i), i.x);
+    if crosses {
+        let own = vec3(l.centre.w, l.right.w, l.down.w);
         least = min(least, dot(at, beyond_centre(own, beside)));
     }
     if (bitcast<u32>(least) >> 31u) == 1u { return FREE; }
