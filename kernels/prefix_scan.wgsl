@@ -5,7 +5,7 @@
 // workgroup, `downsweep` scans each block from its prefix. Saturating addition is associative, so the result
 // is one value however the work is split. A list above the binding limit is bound in segments of whole
 // blocks: `first` is where the bound range begins, `sums` always spans all blocks. Bounds: an invocation of
-// reduce or downsweep loops 32 times, one of the spine 2 * blocks / 256 times.
+// reduce or downsweep loops 32 times, one of the spine 2 * blocks / 64 times.
 
 //@import dispatch workgroup_scan
 
@@ -24,8 +24,6 @@ const WORKGROUP = 64u;
 const SIDE = 8u;                      // SIDE * SIDE = WORKGROUP
 const QUADS = 16u;                    // vec4 a thread
 const BLOCK = 4096u;                  // WORKGROUP * QUADS * 4
-const SPINE_WORKGROUP = 256u;
-const SPINE_SIDE = 16u;
 const SPINE_CHUNK = 4u;               // least blocks an invocation
 const SATURATED = 0xffffffffu;
 
@@ -86,9 +84,9 @@ fn reduce(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
 }
 
 // After it `sums[b]` holds block b's exclusive and inclusive prefix, both saturated.
-@compute @workgroup_size(SPINE_WORKGROUP)
+@compute @workgroup_size(WORKGROUP)
 fn spine(@builtin(local_invocation_index) local: u32) {
-    let chunk = max((params.blocks + SPINE_WORKGROUP - 1u) / SPINE_WORKGROUP, SPINE_CHUNK);
+    let chunk = max((params.blocks + WORKGROUP - 1u) / WORKGROUP, SPINE_CHUNK);
     let working = (params.blocks + chunk - 1u) / chunk;
     let begin = min(local * chunk, params.blocks);
     let end = min(begin + chunk, params.blocks);
@@ -96,7 +94,7 @@ fn spine(@builtin(local_invocation_index) local: u32) {
     for (var i = begin; i < end; i++) {
         sum = add_wide(sum, sums[i]);
     }
-    var prefix = workgroup_exclusive(local, SPINE_SIDE, working, sum);
+    var prefix = workgroup_exclusive(local, SIDE, working, sum);
     for (var i = begin; i < end; i++) {
         let next = add_wide(prefix, sums[i]);
         sums[i] = vec2(saturated(prefix), saturated(next));

@@ -1,9 +1,9 @@
 // Scan over the invocations of a workgroup, in exact 64-bit sums (x = low word, y = high word). `side` *
-// `side` is the workgroup size, at most 256. Two levels of `side` serial steps and two barriers, because a
+// `side` is the workgroup size, at most 64. Two levels of `side` serial steps and two barriers, because a
 // barrier costs more than a handful of reads of workgroup memory, on CPU adapters most of all.
 
-var<workgroup> wg_values: array<vec2<u32>, 256>;
-var<workgroup> wg_rows: array<vec2<u32>, 16>;
+var<workgroup> wg_values: array<vec2<u32>, 64>;
+var<workgroup> wg_rows: array<vec2<u32>, 8>;
 
 fn add_wide(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     let low = a.x + b.x;

@@ -1516,8 +1516,7 @@ pub mod prefix_scan {
         "shared/frame/dispatch", "prefix_scan/workgroup_scan", "prefix_scan",
     }
     constants! {
-        WORKGROUP = 64, SIDE = 8, QUADS = 16, BLOCK = 4096, SPINE_WORKGROUP = 256, SPINE_SIDE = 16, SPINE_CHUNK = 4,
-        SATURATED = 4294967295,
+        WORKGROUP = 64, SIDE = 8, QUADS = 16, BLOCK = 4096, SPINE_CHUNK = 4, SATURATED = 4294967295,
     }
     entry_point! { "prefix_scan", "reduce", [64, 1, 1], SOURCE, () => Reduce, ReduceProgram {
         0 params: Uniform<'a, crate::stages::prefix_scan::PrefixScanParams>,
@@ -1525,7 +1524,7 @@ pub mod prefix_scan {
         2 input: Read<'a, [u32; 4]>,
         3 sums: Write<'a, [u32; 2]>,
     } }
-    entry_point! { "prefix_scan", "spine", [256, 1, 1], SOURCE, () => Spine, SpineProgram {
+    entry_point! { "prefix_scan", "spine", [64, 1, 1], SOURCE, () => Spine, SpineProgram {
         0 params: Uniform<'a, crate::stages::prefix_scan::PrefixScanParams>,
         3 sums: Write<'a, [u32; 2]>,
         5 total: Write<'a, u32>,
