@@ -28,10 +28,11 @@ impl Profile {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Gpu, Self::Software];
 
-    /// That of a device: [`Profile::Software`] where its adapter says that it is a CPU.
+    /// That of a device: [`Profile::Software`] where its adapter says that it is a CPU, but in a browser.
     pub fn of(device: &wgpu::Device) -> Self {
         let of_adapter = || match device.adapter_info().device_type {
-            wgpu::DeviceType::Cpu => Self::Software,
+            // The copies take a browser's SwiftShader longer to compile than they save in the first frames.
+            wgpu::DeviceType::Cpu if !cfg!(target_family = "wasm") => Self::Software,
             _ => Self::Gpu,
         };
         FORCED.get().unwrap_or_else(of_adapter)

@@ -1,7 +1,7 @@
 //! A half of the picture: one method's pass, made in the background, and the last of its frames that was complete.
 
 use crate::making::{Making, Wanted};
-use crate::picture::{Shown, counts, extent, visibility};
+use crate::picture::{Shown, counts, extent, unknown_visibility, visibility};
 use lab::options::PartitionBy;
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light};
@@ -47,7 +47,7 @@ enum Pass {
 pub struct Half {
     pass: Pass,
     work: wgpu::Texture,
-    /// Visibility of the last frame that was complete.
+    /// Visibility of the last frame that was complete, below 0 before there is one.
     pub shown: wgpu::Texture,
     /// Counts of the frame that runs, and of the last one that was complete.
     counts: Option<[wgpu::Buffer; 2]>,
@@ -85,7 +85,7 @@ impl Half {
         let frames = if sees { frames.max(2) } else { frames };
         let wanted = Wanted { options, counted, prepared: prepared.clone() };
         let making = Making::new(gpu, wanted);
-        let (work, shown) = (visibility(&gpu.device, size), visibility(&gpu.device, size));
+        let (work, shown) = (visibility(&gpu.device, size), unknown_visibility((&gpu.device, &gpu.queue), size));
         Self {
             pass: Pass::Making(Box::new(making)),
             work,

@@ -27,8 +27,12 @@ pub struct Level {
     pub halves: Vec<Half>,
     /// The picture of both.
     pub picture: Picture,
-    /// The moment of both halves' last frames that were complete.
+    /// The moment of the halves' last frames that were complete.
     pub shown: Option<Moment>,
+    /// Halves that have such a frame, from the left.
+    pub halves_shown: usize,
+    /// The last moment that halves were drawn of while others were still made.
+    in_part: Option<Moment>,
     /// The last moment that was tried: one that failed is not tried again.
     tried: Option<Moment>,
     /// Frames of it that ran.
@@ -41,7 +45,8 @@ pub struct Level {
     traced: Option<Moment>,
     /// Whether the overlay needs counts of pixels.
     pub counted: bool,
-    running: Option<(Moment, f64)>,
+    /// The moment whose frames run, since when, and of how many halves from the left.
+    running: Option<(Moment, f64, usize)>,
     prepared: Arc<Prepared>,
     left: RenderOptions,
 }
@@ -66,6 +71,8 @@ impl Level {
             halves,
             picture,
             shown: None,
+            halves_shown: 0,
+            in_part: None,
             tried: None,
             ran: 0,
             seconds: None,
@@ -92,7 +99,14 @@ impl Level {
     /// Whether this moment was tried and has no picture, or none can be made.
     pub fn has_failed(&self, moment: &Moment) -> bool {
         let failed = self.halves.iter().any(|half| half.error.is_some());
-        failed && !self.is_busy() && (self.tried == Some(*moment) || self.halves.iter().any(Half::is_refused))
+        let refused = self.halves.iter().position(Half::is_refused);
+        let tried = match refused {
+            Some(0) => true,
+            // The left half is shown alone.
+            Some(_) => self.in_part == Some(*moment),
+            None => self.tried == Some(*moment),
+        };
+        failed && !self.is_busy() && tried
     }
 
     /// Whether frames run, or passes are made.
@@ -105,49 +119,74 @@ impl Level {
         self.halves.iter().find_map(Half::pass)
     }
 
-    /// Goes on with what runs, and begins `wanted` where nothing does; `now` is in seconds; `beside`: a pass whose casters are those of these, too.
-    /// Whether something new can be drawn.
-    pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64, beside: Option<&ShadowPass>) -> bool {
-        let (mut made, mut beside) = (true, beside);
-        for half in &mut self.halves {
+    /// Takes over passes that are made: of how many halves from the left there is one.
+    fn make<'a>(&'a mut self, gpu: &Gpu, mut beside: Option<&'a ShadowPass>) -> usize {
+        let mut made = 0;
+        for (k, half) in self.halves.iter_mut().enumerate() {
             let before = half.pass().is_some();
-            made &= half.is_made(beside);
-            // A page makes one pass after the other, so that pipelines of both are made once, and draws itself in between.
-            if cfg!(target_family = "wasm") && half.pass().is_some() != before {
-                gpu.context.request_repaint();
-                return false;
+            if half.is_made(beside) && made == k {
+                made += 1;
             }
-            if cfg!(target_family = "wasm") && half.progress().is_some() {
-                break;
+            if cfg!(target_family = "wasm") {
+                // A page makes one pass in a task, beside those before, and draws itself in between.
+                if half.pass().is_some() != before {
+                    gpu.context.request_repaint();
+                    break;
+                }
+                // Pipelines of both are asked for once: the next half's when all of this one's are.
+                if half.progress().is_some_and(|[_, of]| of == 0) {
+                    break;
+                }
             }
             beside = beside.or(half.pass());
         }
-        if let Some((moment, since)) = self.running {
-            let Moment { camera, light } = moment;
+        made
+    }
+
+    /// Goes on with what runs, and begins `wanted` where nothing does, of the halves that are made; `now` is in seconds; `beside`: a pass whose casters are
+    /// those of these, too. Whether something new can be drawn.
+    pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64, beside: Option<&ShadowPass>) -> bool {
+        let (made, all) = (self.make(gpu, beside), self.halves.len());
+        if let Some((moment, since, running)) = self.running {
+            let (halves, Moment { camera, light }) = (&mut self.halves[..running], moment);
             let run = |half: &mut Half| (!half.is_done(gpu, &camera, &light)).then_some(());
-            if self.halves.iter_mut().filter_map(run).count() > 0 {
+            if halves.iter_mut().filter_map(run).count() > 0 {
                 return false;
             }
             self.running = None;
-            self.ran = if self.tried == Some(moment) { self.ran + 1 } else { 1 };
-            self.tried = Some(moment);
+            if running < all {
+                self.in_part = Some(moment);
+            } else {
+                self.ran = if self.tried == Some(moment) { self.ran + 1 } else { 1 };
+                self.tried = Some(moment);
+            }
             // Of a moment that failed in either half the last picture of both stays.
-            if self.halves.iter().any(|half| half.error.is_some()) {
+            if halves.iter().any(|half| half.error.is_some()) {
                 return false;
             }
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            self.halves.iter_mut().for_each(|half| half.show(&mut encoder));
+            halves.iter_mut().for_each(|half| half.show(&mut encoder));
             gpu.queue.submit([encoder.finish()]);
-            self.shown = Some(moment);
-            self.seconds = Some(now - since);
+            (self.shown, self.halves_shown) = (Some(moment), running);
+            self.seconds = (running == all).then_some(now - since);
             return true;
         }
         let failed = self.halves.iter().any(|half| half.error.is_some());
         let ran = if self.tried == Some(*wanted) { self.ran } else { 0 };
-        if made && (ran == 0 || ran < self.frames() && !failed) {
-            let more = self.halves.iter_mut().filter(|half| ran < half.frames);
-            more.for_each(|half| half.begin(gpu, &wanted.camera, &wanted.light));
-            self.running = Some((*wanted, now));
+        let begins = match made {
+            0 => false,
+            made if made < all => self.in_part != Some(*wanted),
+            _ => ran == 0 || ran < self.frames() && !failed,
+        };
+        if begins {
+            // What a half shows of this moment already stays.
+            let there = if self.in_part == Some(*wanted) { self.halves_shown } else { 0 };
+            for (k, half) in self.halves[..made].iter_mut().enumerate() {
+                if ran < half.frames && (k >= there || half.frames > 1) {
+                    half.begin(gpu, &wanted.camera, &wanted.light);
+                }
+            }
+            self.running = Some((*wanted, now, made));
         }
         false
     }

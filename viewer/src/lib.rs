@@ -2,7 +2,7 @@
 //!
 //! [`Viewer`] is an [egui](https://www.egui.rs) application on the device that draws the window: both halves are
 //! [`ShadowPass`](subpixel_shadows::ShadowPass)es, recorded as any application would record them. Passes are made beside the window; a
-//! picture is shown when its frames are complete, and the last one stays until then.
+//! half is shown when its frames are complete, the left one before the right one has a pass, and the last picture stays until then.
 
 #![cfg_attr(
     not(test),

@@ -94,25 +94,34 @@ impl Making {
     }
 }
 
-/// Compiles the pipelines of a pass, a few at a time.
+/// Has the pipelines of a pass compiled: asks for a few at a time, and waits for those that the page compiles beside.
 #[cfg(target_family = "wasm")]
 async fn compile(gpu: Gpu, wanted: Wanted, told: Arc<[AtomicUsize; 2]>) -> Result<()> {
     let begin = |config: &PassConfig| ShadowPass::compile_in_steps(&gpu.device, &gpu.queue, config);
     let mut pipelines = wanted.with(&gpu.programs, begin)?;
-    loop {
-        let all = pipelines.advance(1)?;
-        let (done, of) = pipelines.progress();
-        told[0].store(done, Ordering::Relaxed);
-        told[1].store(of, Ordering::Relaxed);
-        if all {
-            return Ok(());
-        }
-        gpu.context.request_repaint_after(PROGRESS);
+    while !pipelines.advance(ASKED)? {
         // A page that cannot wait goes on at once.
         let _ = crate::web::pause().await;
     }
+    let (_, of) = pipelines.progress();
+    told[1].store(of, Ordering::Relaxed);
+    let mut given = None;
+    // Of a page that does not tell, the first frame waits for them.
+    while let Ok(to_come) = crate::web::uncompiled(given).await {
+        let left = to_come.length() as usize;
+        told[0].store(of.saturating_sub(left), Ordering::Relaxed);
+        if left == 0 {
+            break;
+        }
+        gpu.context.request_repaint_after(PROGRESS);
+        given = Some(to_come);
+    }
+    Ok(())
 }
 
+/// Pipelines that are asked for in one task.
+#[cfg(target_family = "wasm")]
+const ASKED: usize = 4;
 /// Time after which progress is drawn.
 #[cfg(target_family = "wasm")]
-const PROGRESS: std::time::Duration = std::time::Duration::from_millis(250);
+const PROGRESS: std::time::Duration = std::time::Duration::from_millis(1000);

@@ -362,6 +362,24 @@ pub fn visibility(device: &wgpu::Device, size: [u32; 2]) -> wgpu::Texture {
     })
 }
 
+/// A texture of visibility in which no pixel's is known.
+pub fn unknown_visibility((device, queue): (&wgpu::Device, &wgpu::Queue), size: [u32; 2]) -> wgpu::Texture {
+    let (texture, [width, height]) = (visibility(device, size), size);
+    write_visibility(queue, &texture, [0; 2], size, &vec![-1.0; width as usize * height as usize]);
+    texture
+}
+
+/// Writes visibility from a pixel on.
+pub fn write_visibility(queue: &wgpu::Queue, to: &wgpu::Texture, [x, y]: [u32; 2], size: [u32; 2], values: &[f32]) {
+    let origin = wgpu::Origin3d { x, y, z: 0 };
+    queue.write_texture(
+        wgpu::TexelCopyTextureInfo { origin, ..to.as_image_copy() },
+        bytemuck::cast_slice(values),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None },
+        extent(size),
+    );
+}
+
 /// The extent of an image.
 pub fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d { width, height, depth_or_array_layers: 1 }

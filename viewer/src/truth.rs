@@ -2,7 +2,7 @@
 
 use crate::beside::{Rays, Traced, TracedView};
 use crate::job::Job;
-use crate::picture::{extent, visibility};
+use crate::picture::{unknown_visibility, write_visibility};
 use subpixel_shadows::wgpu;
 
 /// Visibility by 1024 rays a pixel to each point of the light, from the top.
@@ -18,11 +18,8 @@ pub struct Tracing {
 impl Tracing {
     /// Begins with no pixel.
     pub fn new((device, queue): (&wgpu::Device, &wgpu::Queue), rays: Rays, view: TracedView) -> Self {
-        let size = view.size;
-        let tracing = Self { rays, view, done: 0, runs: None, shown: visibility(device, size) };
-        let [width, height] = size;
-        tracing.write(queue, [0; 2], size, &vec![-1.0; width as usize * height as usize]);
-        tracing
+        let shown = unknown_visibility((device, queue), view.size);
+        Self { rays, view, done: 0, runs: None, shown }
     }
 
     /// Whether it is of this view.
@@ -68,19 +65,9 @@ impl Tracing {
             let (x, count) = (self.done % width, traced.len() as u32);
             let size = if x == 0 && count >= width { [width, count / width] } else { [count.min(width - x), 1] };
             let (run, rest) = traced.split_at((size[0] * size[1]) as usize);
-            self.write(queue, [x, self.done / width], size, run);
+            write_visibility(queue, &self.shown, [x, self.done / width], size, run);
             self.done += run.len() as u32;
             traced = rest;
         }
-    }
-
-    fn write(&self, queue: &wgpu::Queue, [x, y]: [u32; 2], size: [u32; 2], values: &[f32]) {
-        let origin = wgpu::Origin3d { x, y, z: 0 };
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo { origin, ..self.shown.as_image_copy() },
-            bytemuck::cast_slice(values),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None },
-            extent(size),
-        );
     }
 }

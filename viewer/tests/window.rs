@@ -232,6 +232,34 @@ fn a_moment_that_fails_leaves_the_picture() {
     assert_eq!((window.viewer.complaint(), differing(&window.colours(), &before)), (None, 0));
 }
 
+/// A half whose pass is made is shown and follows the camera while the other has none; of that no pixel is known.
+#[gpu_test]
+fn a_half_is_shown_alone() {
+    let line = "spheres --method shadow-map --samples 8 --map 64 --against '--samples 8 --map 64'";
+    let mut view = View::of_line(line).unwrap();
+    let Against::Method(right) = &mut view.right else { panic!("a method") };
+    right.samples = 0;
+    let mut window = Window::of(view);
+    let mut seen = Vec::new();
+    for turn in [0.0, 0.1] {
+        window.drag(PointerButton::Primary, [0.3, 0.5], [0.3 + turn, 0.5]);
+        window.settle();
+        let told = window.viewer.complaint();
+        assert!(told.as_ref().is_some_and(|told| told.contains("sample")), "{told:?}");
+        assert_eq!(window.viewer.halves_shown(), 1);
+        assert_eq!(differing(&window.visibility(0), &by_library(&window, 0)), 0);
+        assert!(window.visibility(1).iter().all(|v| f32::from_bits(*v) == -1.0));
+        seen.push(window.visibility(0));
+    }
+    assert!(differing(&seen[0], &seen[1]) > 500);
+    let bluish = window.colours();
+    window.viewer.take_line(line).unwrap();
+    window.settle();
+    assert_eq!((window.viewer.complaint(), window.viewer.halves_shown()), (None, 2));
+    assert_eq!(differing(&window.visibility(1), &by_library(&window, 1)), 0);
+    assert!(differing(&window.colours(), &bluish) > 1000);
+}
+
 /// Truth in slices is truth.
 #[gpu_test]
 fn truth_is_the_oracles() {

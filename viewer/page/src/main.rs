@@ -34,12 +34,21 @@ fn main() -> ExitCode {
     }
 }
 
+/// A generated script without indents, empty lines, and lines of comments.
+fn code_only(script: &str) -> String {
+    let lines = script.lines().map(str::trim);
+    let code = lines.filter(|line| !line.is_empty() && !["//", "/**", "*"].iter().any(|c| line.starts_with(c)));
+    code.collect::<Vec<_>>().join("\n")
+}
+
 /// Writes the page and says how many bytes it is, compressed.
 fn make(wasm: &str, folder: &Path) -> Result<usize, Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let mut bindgen = Bindgen::new();
     bindgen.input_path(wasm).web(true)?.typescript(false).remove_name_section(true).remove_producers_section(true);
     bindgen.generate(folder)?;
+    let glue = folder.join("viewer.js");
+    std::fs::write(&glue, code_only(&std::fs::read_to_string(&glue)?))?;
     for (name, content) in FILES {
         std::fs::write(folder.join(name), content)?;
     }

@@ -39,7 +39,7 @@ const REACH: f32 = 8.0;
 const NARROW: f32 = 600.0;
 /// Time after which the window looks at what is computed. A page is woken when there is something to see: to draw it waits until a software adapter
 /// is done.
-const LOOK: Duration = Duration::from_millis(if cfg!(target_family = "wasm") { 250 } else { 20 });
+const LOOK: Duration = Duration::from_millis(if cfg!(target_family = "wasm") { 1000 } else { 20 });
 /// Columns of the graph of frame times.
 const HISTORY: usize = 60;
 
@@ -171,6 +171,11 @@ impl Viewer {
             return true;
         }
         self.opening.is_none() && self.full.as_ref().is_some_and(settled)
+    }
+
+    /// Halves that the picture shows, from the left: the left one alone where the right one's pass is still made.
+    pub fn halves_shown(&self) -> usize {
+        self.full.as_ref().map_or(0, |level| level.halves_shown)
     }
 
     /// The last error or note, as the window tells it.

@@ -17,6 +17,19 @@ type Read = Vec<(String, Result<Vec<u8>, String>)>;
 thread_local! {
     static LISTENER: RefCell<Option<js_sys::Function>> = const { RefCell::new(None) };
     static DROPPED: RefCell<Option<Read>> = const { RefCell::new(None) };
+    /// Promises, when one of the given pipelines is compiled, those to come still.
+    static COMPILED: RefCell<Option<js_sys::Function>> = const { RefCell::new(None) };
+}
+
+/// Waits for one of the pipelines that the page compiles, of `given`, which it told before, or of all that it was asked for: those to come still.
+///
+/// # Errors
+/// The page does not tell.
+pub async fn uncompiled(given: Option<js_sys::Array>) -> Result<js_sys::Array, JsValue> {
+    let compiled = COMPILED.with_borrow(Clone::clone).ok_or("the page does not tell")?;
+    let given = given.map_or(JsValue::UNDEFINED, JsValue::from);
+    let promise: js_sys::Promise = compiled.call1(&JsValue::NULL, &given)?.dyn_into()?;
+    wasm_bindgen_futures::JsFuture::from(promise).await?.dyn_into()
 }
 
 /// Tells the page, once, that nothing can be drawn any more.
@@ -135,6 +148,14 @@ impl Page {
         opened.map_err(|e| JsValue::from_str(&e.to_string()))
     }
 
+    /// Halves that the picture shows, from the left.
+    ///
+    /// # Errors
+    /// The viewer has ended.
+    pub fn halves_shown(&self) -> Result<usize, JsValue> {
+        self.viewer(|viewer| viewer.halves_shown())
+    }
+
     /// Left, top, width and height of a widget by its label ("left.samples"), or of the "picture", in points of the page; nothing where there is none.
     ///
     /// # Errors
@@ -159,7 +180,8 @@ impl Page {
 }
 
 /// Opens the viewer on a canvas, with the view that a command line names (the page's address after `#`), or the one by default. `told` is
-/// called with one line where nothing can be drawn any more; `ask` asks the worker.
+/// called with one line where nothing can be drawn any more; `ask` asks the worker; `compiled` promises,
+/// when one of the given pipelines is compiled, those to come still.
 ///
 /// # Errors
 /// One line: the view cannot be opened, or there is no adapter.
@@ -169,8 +191,10 @@ pub async fn start(
     line: String,
     told: js_sys::Function,
     ask: js_sys::Function,
+    compiled: js_sys::Function,
 ) -> Result<Page, JsValue> {
     worker::set_ask(ask);
+    COMPILED.set(Some(compiled));
     console_error_panic_hook::set_once();
     eframe::WebLogger::init(log::LevelFilter::Warn).ok();
     let said = |error: &dyn std::fmt::Display| JsValue::from_str(&error.to_string());

@@ -43,7 +43,7 @@ fn line_of(error: JsValue) -> String {
 fn ask<const N: usize>(name: &str, given: [JsValue; N]) -> Result<js_sys::Promise, JsValue> {
     let ask = ASK.with_borrow(Clone::clone).ok_or("no worker")?;
     let given: js_sys::Array = given.into_iter().collect();
-    Ok(ask.call2(&JsValue::NULL, &name.into(), &given)?.dyn_into()?)
+    ask.call2(&JsValue::NULL, &name.into(), &given)?.dyn_into()
 }
 
 /// A camera as a text, and its depth range.

@@ -13,10 +13,12 @@ fn the_first_picture_comes_soon() {
     let mut page = Page(Chromium::start("soon", SIZE));
     let start = std::time::Instant::now();
     page.0.open(&address(""));
-    page.0.until("the first picture", "document.documentElement.dataset.started == 'true' && viewer.settled()");
-    let first = start.elapsed().as_secs_f64();
-    println!("{first:.1} s to the first picture");
-    assert!(first < 30.0, "{first} s");
+    page.0.until("a half", "document.documentElement.dataset.started == 'true' && viewer.halves_shown() > 0");
+    let half = start.elapsed().as_secs_f64();
+    page.0.until("both halves", "viewer.settled() && viewer.halves_shown() == 2");
+    let both = start.elapsed().as_secs_f64();
+    println!("{half:.1} s to the picture of the left half, {both:.1} s to that of both");
+    assert!(half < 0.8 * both && both < 30.0, "{half} s, {both} s");
     page.0.value(
         "globalThis.tasks = []; new PerformanceObserver(list => tasks.push(...list.getEntries().map(e => e.duration)))
             .observe({ type: 'longtask' }); true",
@@ -95,6 +97,12 @@ fn what_cannot_be_drawn_is_told() {
     page.0.until("the loss is told", "!lost.hidden && lost.textContent.includes('lost')");
     drop(page);
     let mut bad = Chromium::start("bad", SIZE);
-    bad.open(&address("plane --samples 3"));
-    bad.until("the fault is told", "!wait.hidden && said.textContent.includes('3')");
+    // A browser that has just begun may offer no adapter.
+    let told = (0..3).map(|_| {
+        bad.open(&address("plane --samples 3"));
+        bad.until("something is told", "!wait.hidden && !said.textContent.startsWith('Loading')");
+        bad.value("said.textContent").as_str().unwrap_or_default().to_owned()
+    });
+    let told = told.into_iter().find(|told| !told.contains("no adapter"));
+    assert!(told.as_ref().is_some_and(|told| told.contains("3 samples")), "{told:?}");
 }

@@ -50,16 +50,20 @@ fn texts_of(shape: &egui::Shape, texts: &mut Vec<String>) {
 impl Window {
     /// A window without its panel.
     pub fn new(line: &str) -> Self {
+        Self::of(View::of_line(line).expect(line))
+    }
+
+    /// A window of a view, without its panel.
+    pub fn of(view: View) -> Self {
         let configuration = configuration();
         let WgpuSetup::CreateNew(setup) = &configuration.wgpu_setup else { unreachable!("as the viewer asks") };
         let instance = block_on(WgpuSetup::CreateNew(setup.clone()).new_instance());
         let render = block_on(RenderState::create(&configuration, &instance, None, RendererOptions::default()));
         let render = render.expect("an adapter; SUBPIXEL_SHADOWS_NO_GPU=1 leaves these tests out");
-        let view = View::of_line(line).expect(line);
-        let (scene, _) = view.left.open(view.scene.as_deref()).expect(line);
-        let opened = Opened::new(scene, None).expect(line);
+        let (scene, _) = view.left.open(view.scene.as_deref()).expect("a scene");
+        let opened = Opened::new(scene, None).expect("a mesh");
         let context = egui::Context::default();
-        let viewer = Viewer::new(&context, &render, view, opened).expect(line);
+        let viewer = Viewer::new(&context, &render, view, opened).expect("a viewer");
         let size = [WIDE as f32, 160.0];
         let mut window = Self { context, render, viewer, size, start: Instant::now(), texts: Vec::new() };
         window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);
