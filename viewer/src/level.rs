@@ -179,7 +179,7 @@ impl Level {
             _ => ran == 0 || ran < self.frames() && !failed,
         };
         if begins {
-            // What a half shows of this moment already stays.
+            // Halves that show this moment already are not drawn again.
             let there = if self.in_part == Some(*wanted) { self.halves_shown } else { 0 };
             for (k, half) in self.halves[..made].iter_mut().enumerate() {
                 if ran < half.frames && (k >= there || half.frames > 1) {

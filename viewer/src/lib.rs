@@ -1,7 +1,7 @@
 //! The viewer: one place by any two methods, or by one and traced truth, in a window and in a web page.
 //!
 //! [`Viewer`] is an [egui](https://www.egui.rs) application on the device that draws the window: both halves are
-//! [`ShadowPass`](subpixel_shadows::ShadowPass)es, recorded as any application would record them. Passes are made beside the window; a
+//! [`ShadowPass`]es, recorded as any application would record them. Passes are made beside the window; a
 //! half is shown when its frames are complete, the left one before the right one has a pass, and the last picture stays until then.
 
 #![cfg_attr(

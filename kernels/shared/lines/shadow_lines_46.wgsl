@@ -38,7 +38,8 @@ fn full_line(g: Ground, n: Df3, m: Df3, v: u32) -> vec3<f32> {
             df3_along(w, frame.ray_y.xyz).x);
 }
 
-// One after the other: three copies of the arithmetic of 46 bits take compilers long.
+// Heights of a triangle's vertices. A loop, as below: copies of the arithmetic of 46 bits take registers, and
+// compilers long.
 fn full_heights_of(g: Ground, n: Df3, i: vec3<u32>) -> vec3<f32> {
     var h = vec3(0.0);
     for (var k = 0u; k < 3u; k++) {
