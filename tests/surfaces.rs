@@ -3,6 +3,7 @@
 
 use lab::scene::{Scene, SceneOptions};
 use oracle::truth::{FacetInput, FacetTruth, SceneTruth, Tracer, TruthImage, join_mask};
+use std::sync::Arc;
 use subpixel_shadows::glam::{DQuat, DVec3, Quat, Vec3};
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
@@ -377,7 +378,7 @@ fn bodies_in_sheets_and_in_each_other() {
         assert!(output.lit == render(&prepared, &scene, &all, Budget::default()).lit, "round {round}: other masks");
         // Had the sheet been taken for part of a body, its shadow would be missing.
         let mut mistaken = prepared.clone();
-        mistaken.bodies.fill(true);
+        Arc::make_mut(&mut mistaken.bodies).fill(true);
         let (samples, _) = wrong(&render(&mistaken, &scene, &plan.settings, Budget::default()), &truth);
         assert!(samples > 0, "round {round}: all triangles as of bodies, and nothing is wrong");
     }

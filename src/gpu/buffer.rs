@@ -116,9 +116,17 @@ impl<T: Pod> Buffer<T> {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn with_room(device: &wgpu::Device, queue: &wgpu::Queue, label: &str, data: &[T], room: usize) -> Result<Self> {
-        let buffer = Self { len: data.len(), ..Self::storage(device, label, data.len() + room)? };
+        let buffer = Self::storage_with_room(device, label, data.len(), room)?;
         buffer.write(queue, data);
         Ok(buffer)
+    }
+
+    /// A storage buffer of `len` elements with room for `room` further ones behind them.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub(crate) fn storage_with_room(device: &wgpu::Device, label: &str, len: usize, room: usize) -> Result<Self> {
+        Ok(Self { len, ..Self::storage(device, label, len + room)? })
     }
 
     /// A handle of a buffer that holds `len` elements.
@@ -153,11 +161,11 @@ impl<T: Pod> Buffer<T> {
         }
     }
 
-    /// Writes `data` into the room behind the elements that count ([`Buffer::with_room`]), the first as element `first`; nothing where it does
-    /// not hold all of it.
-    pub(crate) fn write_behind(&self, queue: &wgpu::Queue, first: usize, data: &[T]) {
+    /// Writes `data`, the first as element `first`, also into the room behind the elements that count ([`Buffer::with_room`]); nothing where it
+    /// does not hold all of it.
+    pub(crate) fn write_from(&self, queue: &wgpu::Queue, first: usize, data: &[T]) {
         let size = size_of::<T>() as u64;
-        if first >= self.len && (first + data.len()) as u64 * size <= self.bytes() {
+        if !data.is_empty() && (first + data.len()) as u64 * size <= self.bytes() {
             queue.write_buffer(&self.raw, first as u64 * size, bytemuck::cast_slice(data));
         }
     }

@@ -10,6 +10,7 @@ use crate::scene::{AlphaTested, Camera, Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, OnceLock};
@@ -20,7 +21,7 @@ const MOST_OBJECTS: usize = 64;
 /// A mesh in canonical order with its edges.
 #[derive(Clone, Debug, Default)]
 pub struct Prepared {
-    pub(crate) mesh: Mesh,
+    pub(crate) mesh: Arc<Mesh>,
     /// Triangle of the given mesh for each triangle here.
     pub given: Vec<u32>,
     /// Its edges.
@@ -28,12 +29,12 @@ pub struct Prepared {
     /// Whether every edge joins two consistently wound triangles and every part is turned outward.
     pub closed: bool,
     /// Whether the connected part of the mesh around each triangle is closed and turned outward.
-    pub bodies: Vec<bool>,
+    pub bodies: Arc<Vec<bool>>,
     /// Lowest triangle of each triangle's surface: the edge-connected ones that lie in one plane, exactly.
     pub surfaces: Vec<u32>,
     /// Its triangles that are alpha-tested.
     pub(crate) alpha: Arc<AlphaTested>,
-    pub(super) tree: OnceLock<MeshTree>,
+    pub(super) tree: Arc<OnceLock<MeshTree>>,
     pub(crate) known: KnownFacts,
 }
 
@@ -96,14 +97,14 @@ impl Prepared {
         let alone: Vec<u32> = alpha.triangles.iter().map(|of| of.triangle).collect();
         let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::but_for(&canonical, &alone);
         Ok(Self {
-            mesh: canonical,
+            mesh: Arc::new(canonical),
             given,
             edges,
             closed,
-            bodies,
+            bodies: Arc::new(bodies),
             surfaces,
             alpha: Arc::new(alpha),
-            tree: OnceLock::new(),
+            tree: Arc::default(),
             known: KnownFacts::default(),
         })
     }
@@ -122,32 +123,29 @@ impl Prepared {
     pub(crate) fn of_parts(mesh: Mesh, given: Vec<u32>, edges: Vec<Edge>, alpha: AlphaTested) -> Self {
         let triangles = mesh.triangles.len();
         Self {
-            mesh,
+            mesh: Arc::new(mesh),
             given,
             edges,
             closed: false,
-            bodies: vec![false; triangles],
+            bodies: Arc::new(vec![false; triangles]),
             surfaces: (0..triangles as u32).collect(),
             alpha: Arc::new(alpha),
-            tree: OnceLock::new(),
+            tree: Arc::default(),
             known: KnownFacts::default(),
         }
     }
 
-    /// The same without the lists that only an upload asks for.
+    /// The same memory without the lists that only an upload asks for.
     pub(crate) fn geometry(&self) -> Self {
         let Self { mesh, closed, bodies, alpha, tree, known, .. } = self;
-        Self {
-            mesh: mesh.clone(),
-            given: Vec::new(),
-            edges: Vec::new(),
-            closed: *closed,
-            bodies: bodies.clone(),
-            surfaces: Vec::new(),
-            alpha: alpha.clone(),
-            tree: tree.clone(),
-            known: known.clone(),
-        }
+        let (mesh, bodies, alpha, tree) = (mesh.clone(), bodies.clone(), alpha.clone(), tree.clone());
+        let (closed, known) = (*closed, known.clone());
+        Self { mesh, closed, bodies, alpha, tree, known, given: Vec::new(), edges: Vec::new(), surfaces: Vec::new() }
+    }
+
+    /// The same, of which it is not known which triangles are of closed bodies, as where they will move.
+    pub(crate) fn without_bodies(self) -> Self {
+        Self { bodies: Arc::new(vec![false; self.mesh.triangles.len()]), ..self }
     }
 
     /// The mesh: vertices welded and sorted, triangles rotated and sorted, so that nothing depends on the file's order. It has passed
@@ -222,6 +220,23 @@ impl Prepared {
     }
 }
 
+impl CasterBuffers {
+    /// Memory for a mesh, into which nothing is written.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn of(device: &wgpu::Device, prepared: &Prepared) -> Result<Self> {
+        let (mesh, room) = (prepared.mesh(), prepared.alpha.elements());
+        let surfaces = || Buffer::storage(device, "casters.surfaces", prepared.surfaces.len());
+        Ok(Self {
+            positions: Buffer::storage(device, "casters.positions", mesh.positions.len())?,
+            triangles: Buffer::storage_with_room(device, "casters.triangles", mesh.triangles.len(), room)?,
+            edges: Buffer::storage(device, "casters.edges", prepared.edges.len())?,
+            surfaces: prepared.merges().then(surfaces).transpose()?,
+        })
+    }
+}
+
 /// Surfaces of triangles, those of more than one marked.
 pub fn marked_surfaces(surfaces: &[u32]) -> Vec<u32> {
     let mut marked = surfaces.to_vec();
@@ -240,14 +255,22 @@ pub fn padded<T: Copy + Default>(elements: &[[T; 3]]) -> Vec<[T; 4]> {
     elements.iter().map(|&[x, y, z]| [x, y, z, T::default()]).collect()
 }
 
-/// Triangles as kernels read them; the fourth word is 1 for one of a closed body, one more than the number of the element where an
-/// alpha-tested one is told of, of which `first` is the first, and 0 for others.
+/// All triangles as [`marked_triangles_in`] gives a range of them.
 pub fn marked_triangles(prepared: &Prepared, first: usize) -> Vec<[u32; 4]> {
-    let of_body = prepared.bodies.iter().copied().chain(std::iter::repeat(false));
-    let marked = prepared.mesh.triangles.iter().zip(of_body).map(|(&[a, b, c], body)| [a, b, c, u32::from(body)]);
+    marked_triangles_in(prepared, first, 0..prepared.mesh.triangles.len())
+}
+
+/// A range of triangles as kernels read them; the fourth word is 1 for one of a closed body, one more than the number of the element where an
+/// alpha-tested one is told of, of which `first` is the first, and 0 for others.
+pub fn marked_triangles_in(prepared: &Prepared, first: usize, range: Range<usize>) -> Vec<[u32; 4]> {
+    let of_body = &prepared.bodies[range.clone()];
+    let triangles = &prepared.mesh.triangles[range.clone()];
+    let marked = triangles.iter().zip(of_body).map(|(&[a, b, c], &body)| [a, b, c, u32::from(body)]);
     let mut marked: Vec<[u32; 4]> = marked.collect();
     for (k, of) in prepared.alpha.triangles.iter().enumerate() {
-        marked[of.triangle as usize][3] = (first + 2 * k + 1) as u32;
+        if let Some(marked) = (of.triangle as usize).checked_sub(range.start).and_then(|t| marked.get_mut(t)) {
+            marked[3] = (first + 2 * k + 1) as u32;
+        }
     }
     marked
 }
@@ -264,7 +287,7 @@ pub fn surfaces(device: &wgpu::Device, queue: &wgpu::Queue, prepared: &Prepared,
     let positions = Buffer::with_room(device, queue, "casters.positions", &positions, 3 * room)?;
     let triangles = Buffer::with_room(device, queue, "casters.triangles", &marked, room + alpha.elements())?;
     if !alpha.is_empty() {
-        triangles.write_behind(queue, first, &alpha.packed(first as u32));
+        triangles.write_from(queue, first, &alpha.packed(first as u32));
     }
     Ok((positions, triangles))
 }

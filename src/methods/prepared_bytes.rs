@@ -9,13 +9,17 @@ use crate::scene::alpha::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Roles, 
 use crate::scene::mesh_tree::MeshTree;
 use crate::{Error, Result};
 use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
-use std::sync::OnceLock;
+use futures::{AsyncRead, AsyncReadExt, FutureExt};
+use std::sync::{Arc, OnceLock};
 
 /// First word of the bytes: their form. Another one for every change to it.
-const FORM: u64 = u64::from_le_bytes(*b"spshad01");
+const FORM: u64 = u64::from_le_bytes(*b"spshad02");
 
 /// Bytes that begin each part at a multiple of this.
 const WORD: usize = 8;
+
+/// Bytes that are read at once.
+const PIECE: usize = 1 << 16;
 
 /// A map of alpha but for its texels.
 #[repr(C)]
@@ -65,8 +69,9 @@ impl Prepared {
             Tested { triangle: of.triangle, map: of.map, uv: of.uv, roles: [casts, receives, u8::from(seen), 0] }
         };
         out.part(&triangles.iter().map(tested).collect::<Vec<_>>());
-        let sum = checksum(&out.0[2 * WORD..]);
-        out.0[WORD..2 * WORD].copy_from_slice(&sum.to_le_bytes());
+        let mut sum = Checksum::default();
+        sum.add(&out.0[2 * WORD..]);
+        out.0[WORD..2 * WORD].copy_from_slice(&sum.of_all().to_le_bytes());
         out.0
     }
 
@@ -76,45 +81,70 @@ impl Prepared {
     /// [`Error::Mesh`] for bytes of another form, which other versions write, for ones that end early or have changed since (a checksum finds
     /// accidents, not intentions), and for numbers out of range.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        let bad = |message: &str| Error::mesh("prepared bytes", message);
-        let (head, rest) = bytes.split_at_checked(2 * WORD).ok_or_else(|| bad("no head of 16 bytes"))?;
-        let [form, sum]: [u64; 2] = bytemuck::pod_read_unaligned(head);
+        // Bytes that are there are read without waiting.
+        Self::read(bytes, bytes.len() as u64).now_or_never().unwrap_or_else(|| Err(bad("bytes to wait for")))
+    }
+
+    /// The same of so many bytes that arrive bit by bit, as of a file or of a page's worker. Little is held beside what is made of them.
+    ///
+    /// # Errors
+    /// As [`Prepared::from_bytes`], and [`Error::Mesh`] where they cannot be read.
+    pub async fn read(from: impl AsyncRead + Unpin, bytes: u64) -> Result<Self> {
+        let mut parts = Reader { from, left: bytes, sum: Checksum::default() };
+        let mut head = [0u64; 2];
+        if bytes < 2 * WORD as u64 {
+            return Err(bad("no head of 16 bytes"));
+        }
+        parts.take(cast_slice_mut(&mut head)).await?;
+        let [form, sum] = head;
         if form != FORM {
             return Err(bad("another form of bytes, or none: prepare the mesh again"));
         }
-        if sum != checksum(rest) {
-            return Err(bad(&format!("the checksum of {} bytes is another one", rest.len())));
+        parts.sum = Checksum::default();
+        let (mut mesh, mut given, mut edges, mut bodies) = (Mesh::default(), Vec::new(), Vec::new(), Vec::<u8>::new());
+        let (mut surfaces, mut facts) = (Vec::new(), Vec::<u8>::new());
+        let mut tree: [(Vec<u32>, Vec<_>); 2] = Default::default();
+        let (mut heads, mut alpha) = (Vec::<MapHead>::new(), AlphaTested::default());
+        let lists: [&mut dyn Part; 7] =
+            [&mut mesh.positions, &mut mesh.triangles, &mut given, &mut edges, &mut bodies, &mut surfaces, &mut facts];
+        for list in lists {
+            parts.next(list).await?;
         }
-        let mut parts = Reader(rest);
-        let mesh = Mesh { positions: parts.next()?, triangles: parts.next()? };
-        let (given, edges): (Vec<u32>, Vec<Edge>) = (parts.next()?, parts.next()?);
-        let bodies = parts.next::<u8>()?.into_iter().map(|body| body != 0).collect();
-        let surfaces: Vec<u32> = parts.next()?;
-        let [closed, flat] = parts.next::<u8>()?[..] else { return Err(bad("no facts of the whole mesh")) };
-        let mut tree = || Ok::<_, Error>((parts.next()?, parts.next()?));
-        let tree = [tree()?, tree()?];
-        let heads: Vec<MapHead> = parts.next()?;
-        let mut map = |head: &MapHead| {
-            let filter = if head.filter == 1 { AlphaFilter::Bilinear } else { AlphaFilter::Nearest };
-            let wrap = head.wrap.map(|number| WRAPS.get(number as usize).copied().unwrap_or_default());
-            Ok(AlphaMap { size: head.size, alpha: parts.next()?, cutoff: head.cutoff, filter, wrap })
-        };
-        let maps = heads.iter().map(&mut map).collect::<Result<Vec<_>>>()?;
-        let tested = |of: Tested| {
+        for (order, boxes) in &mut tree {
+            parts.next(order).await?;
+            parts.next(boxes).await?;
+        }
+        parts.next(&mut heads).await?;
+        for MapHead { size, cutoff, filter, wrap } in heads {
+            let filter = if filter == 1 { AlphaFilter::Bilinear } else { AlphaFilter::Nearest };
+            let wrap = wrap.map(|number| WRAPS.get(number as usize).copied().unwrap_or_default());
+            let mut map = AlphaMap { size, alpha: Vec::new(), cutoff, filter, wrap };
+            parts.next(&mut map.alpha).await?;
+            alpha.maps.push(map);
+        }
+        let mut tested = Vec::<Tested>::new();
+        parts.next(&mut tested).await?;
+        let of_tested = |of: Tested| {
             let [casts, receives, seen, _] = of.roles;
             let roles = Roles { casts, receives, seen: seen != 0 };
             TestedTriangle { triangle: of.triangle, map: of.map, uv: of.uv, roles }
         };
-        let alpha = AlphaTested { maps, triangles: parts.next()?.into_iter().map(tested).collect() };
-        if !parts.0.is_empty() {
-            return Err(bad(&format!("{} bytes too many", parts.0.len())));
+        alpha.triangles.extend(tested.into_iter().map(of_tested));
+        if parts.left > 0 {
+            return Err(bad(&format!("{} bytes too many", parts.left)));
         }
+        if sum != parts.sum.of_all() {
+            return Err(bad(&format!("the checksum of {bytes} bytes is another one")));
+        }
+        let [closed, flat] = facts[..] else { return Err(bad("no facts of the whole mesh")) };
         mesh.check("prepared bytes")?;
         alpha.check(&mesh)?;
         let tree = MeshTree::of_bytes(tree, mesh.triangles.len()).ok_or_else(|| bad("a tree of another mesh"))?;
         let known = KnownFacts { in_one_plane: OnceLock::from(flat != 0), ..KnownFacts::default() };
-        let (closed, alpha) = (closed != 0, alpha.into());
-        let read = Self { mesh, given, edges, closed, bodies, surfaces, alpha, tree: OnceLock::from(tree), known };
+        let bodies = bodies.into_iter().map(|body| body != 0).collect::<Vec<_>>();
+        let (mesh, bodies, alpha) = (mesh.into(), bodies.into(), alpha.into());
+        let tree = Arc::new(OnceLock::from(tree));
+        let read = Self { mesh, given, edges, closed: closed != 0, bodies, surfaces, alpha, tree, known };
         if !read.is_in_range() {
             return Err(bad("numbers of triangles or vertices out of range"));
         }
@@ -147,21 +177,59 @@ fn number_of_wrap(wrap: AlphaWrap) -> u32 {
     }
 }
 
-/// Four sums of every fourth word, each multiplied on its way, so that order counts; bytes are a multiple of a word.
-fn checksum(bytes: &[u8]) -> u64 {
+fn bad(message: &str) -> Error {
+    Error::mesh("prepared bytes", message)
+}
+
+/// Four sums of every fourth word, each multiplied on its way, so that order counts.
+struct Checksum {
+    sums: [u64; 4],
+    /// Words that were added.
+    words: usize,
+}
+
+impl Default for Checksum {
+    fn default() -> Self {
+        Self { sums: [1, 2, 3, 4], words: 0 }
+    }
+}
+
+impl Checksum {
     const ODD: u64 = 0x9E37_79B9_7F4A_7C15;
-    let word = |bytes: &[u8]| bytes.iter().rev().fold(0u64, |word, byte| word << 8 | u64::from(*byte));
-    let mut sums = [1u64, 2, 3, 4];
-    let (runs, rest) = bytes.as_chunks::<{ 4 * WORD }>();
-    for run in runs {
-        let words: [u64; 4] = bytemuck::pod_read_unaligned(run);
-        for (sum, word) in sums.iter_mut().zip(words) {
-            *sum = (*sum ^ word).wrapping_mul(ODD).rotate_left(29);
+
+    fn mixed(sum: u64, word: u64) -> u64 {
+        (sum ^ word).wrapping_mul(Self::ODD).rotate_left(29)
+    }
+
+    /// Adds bytes; what lacks to a whole word counts as 0.
+    fn add(&mut self, bytes: &[u8]) {
+        // Four at a time, where the first one has its turn.
+        let first = bytes.len().min(self.words.wrapping_neg() % 4 * WORD);
+        let (before, bytes) = bytes.split_at(first);
+        self.add_words(before);
+        let (runs, rest) = bytes.as_chunks::<{ 4 * WORD }>();
+        for run in runs {
+            let words: [u64; 4] = bytemuck::pod_read_unaligned(run);
+            for (sum, word) in self.sums.iter_mut().zip(words) {
+                *sum = Self::mixed(*sum, word);
+            }
+        }
+        self.words += 4 * runs.len();
+        self.add_words(rest);
+    }
+
+    fn add_words(&mut self, bytes: &[u8]) {
+        for bytes in bytes.chunks(WORD) {
+            let word = bytes.iter().rev().fold(0u64, |word, byte| word << 8 | u64::from(*byte));
+            let sum = &mut self.sums[self.words % 4];
+            *sum = Self::mixed(*sum, word);
+            self.words += 1;
         }
     }
-    let rest = rest.chunks(WORD).map(word);
-    let all = sums.into_iter().chain(rest).chain([bytes.len() as u64]);
-    all.fold(0, |sum, word| (sum ^ word).wrapping_mul(ODD).rotate_left(29))
+
+    fn of_all(&self) -> u64 {
+        self.sums.into_iter().chain([self.words as u64]).fold(0, Self::mixed)
+    }
 }
 
 /// Parts, each behind the number of its bytes.
@@ -177,24 +245,57 @@ impl Writer {
 }
 
 /// Parts that are left.
-struct Reader<'a>(&'a [u8]);
+struct Reader<R> {
+    from: R,
+    /// Bytes to come.
+    left: u64,
+    /// Of the bytes that were read.
+    sum: Checksum,
+}
 
-impl Reader<'_> {
-    fn next<T: Pod>(&mut self) -> Result<Vec<T>> {
-        let bad =
-            || Error::mesh("prepared bytes", format!("{} bytes are left, and there is more to come", self.0.len()));
-        let (head, rest) = self.0.split_at_checked(WORD).ok_or_else(bad)?;
-        let bytes = usize::try_from(bytemuck::pod_read_unaligned::<u64>(head)).map_err(|_| bad())?;
-        let end = bytes.checked_next_multiple_of(WORD).ok_or_else(bad)?;
-        let (part, rest) = rest.split_at_checked(end).ok_or_else(bad)?;
-        let mut elements = vec![T::zeroed(); bytes / size_of::<T>()];
-        let whole = size_of_val(&elements[..]);
-        if whole != bytes {
-            return Err(bad());
+impl<R: AsyncRead + Unpin> Reader<R> {
+    /// Reads bytes, a multiple of [`WORD`] but for the last ones of a part.
+    async fn take(&mut self, into: &mut [u8]) -> Result<()> {
+        // As they arrive, while they are in the cache.
+        for piece in into.chunks_mut(PIECE) {
+            self.from.read_exact(piece).await.map_err(|e| bad(&format!("{} bytes are left: {e}", self.left)))?;
+            self.sum.add(piece);
+            self.left -= piece.len() as u64;
         }
-        cast_slice_mut(&mut elements).copy_from_slice(&part[..bytes]);
-        self.0 = rest;
-        Ok(elements)
+        Ok(())
+    }
+
+    async fn next(&mut self, part: &mut dyn Part) -> Result<()> {
+        let more = |left| bad(&format!("{left} bytes are left, and there is more to come"));
+        let left = self.left.checked_sub(WORD as u64).ok_or_else(|| more(self.left))?;
+        let mut bytes = [0u64];
+        self.take(cast_slice_mut(&mut bytes)).await?;
+        let [bytes] = bytes;
+        let end = bytes.checked_next_multiple_of(WORD as u64).filter(|&end| end <= left).ok_or_else(|| more(left))?;
+        self.take(part.of_bytes(bytes).ok_or_else(|| more(left))?).await?;
+        let mut padding = [0; WORD];
+        let padding = &mut padding[..(end - bytes) as usize];
+        self.from.read_exact(padding).await.map_err(|e| bad(&format!("{} bytes are left: {e}", self.left)))?;
+        self.left -= padding.len() as u64;
+        if padding.iter().any(|&byte| byte != 0) {
+            return Err(bad("no zeros between its parts"));
+        }
+        Ok(())
+    }
+}
+
+/// A list that is read.
+trait Part {
+    /// Makes it as long as so many bytes: these.
+    fn of_bytes(&mut self, bytes: u64) -> Option<&mut [u8]>;
+}
+
+impl<T: Pod> Part for Vec<T> {
+    fn of_bytes(&mut self, bytes: u64) -> Option<&mut [u8]> {
+        let size = size_of::<T>() as u64;
+        let count = usize::try_from(bytes / size).ok().filter(|_| bytes.is_multiple_of(size))?;
+        *self = vec![T::zeroed(); count];
+        Some(cast_slice_mut(self))
     }
 }
 
@@ -203,6 +304,9 @@ mod tests {
     use super::*;
     use crate::scene::Light;
     use crate::test_scenes::builtin;
+    use futures::executor::block_on;
+    use std::pin::Pin;
+    use std::task::{Context, Poll};
 
     fn all_of(p: &Prepared) -> String {
         let Prepared { mesh, given, edges, closed, bodies, surfaces, alpha, .. } = p;
@@ -242,23 +346,59 @@ mod tests {
         assert!(read.backs_add_nothing(&Light::Point { position: [0.0, 9.0, 0.0] }));
     }
 
+    /// Bytes that arrive a few at a time, or that cannot be read.
+    #[test]
+    fn bytes_may_arrive_in_pieces() {
+        struct Few<'a>(&'a [u8], bool);
+        impl AsyncRead for Few<'_> {
+            fn poll_read(
+                mut self: Pin<&mut Self>,
+                with: &mut Context,
+                into: &mut [u8],
+            ) -> Poll<std::io::Result<usize>> {
+                self.1 = !self.1;
+                if self.1 {
+                    with.waker().wake_by_ref();
+                    return Poll::Pending;
+                }
+                let few = into.len().min(977);
+                Pin::new(&mut self.0).poll_read(with, &mut into[..few])
+            }
+        }
+        let prepared = tested(&builtin("knot").mesh);
+        let bytes = prepared.to_bytes();
+        let read = |bytes: &[u8], told: usize| block_on(Prepared::read(Few(bytes, false), told as u64));
+        assert_eq!(all_of(&read(&bytes, bytes.len()).unwrap()), all_of(&prepared));
+        let error = read(&bytes[..bytes.len() / 2], bytes.len()).map(drop).unwrap_err().to_string();
+        assert!(error.contains("unexpected end of file") && error.contains("bytes are left"), "{error}");
+    }
+
     /// Any byte that is another one, and any end that is missing, is told of.
     #[test]
     fn damage_is_an_error() {
         let bytes = tested(&builtin("spheres").mesh).to_bytes();
         let told = |bytes: &[u8]| Prepared::from_bytes(bytes).map(drop).unwrap_err().to_string();
+        let mut checked = 0;
         for at in (0..bytes.len()).step_by(bytes.len() / 61).chain([0, 8, 16, bytes.len() - 1]) {
             let mut other = bytes.clone();
             other[at] ^= 4;
             let told = told(&other);
-            assert!(told.contains(if at < WORD { "another form" } else { "checksum" }), "byte {at}: {told}");
+            let expected: &[&str] = match at {
+                ..WORD => &["another form"],
+                // Of a length or of what lies behind a part it is told before all is read.
+                _ => &["checksum", "more to come", "too many", "no zeros"],
+            };
+            assert!(expected.iter().any(|text| told.contains(text)), "byte {at}: {told}");
+            checked += usize::from(told.contains("checksum"));
             assert!(Prepared::from_bytes(&bytes[..at]).is_err());
         }
+        assert!(checked > 50, "{checked}");
         assert!(told(&bytes[..10]).contains("16 bytes"));
         // With the right sum: the form itself.
         let summed = |mut bytes: Vec<u8>| {
-            let sum = checksum(&bytes[2 * WORD..]);
-            bytes[WORD..2 * WORD].copy_from_slice(&sum.to_le_bytes());
+            let mut sum = Checksum::default();
+            sum.add(&bytes[2 * WORD..]);
+            bytes[WORD..2 * WORD].copy_from_slice(&sum.of_all().to_le_bytes());
             told(&bytes)
         };
         assert!(summed([&bytes[..], &[0; 8]].concat()).contains("8 bytes too many"));
@@ -282,9 +422,9 @@ mod tests {
             (&|p| p.edges[5].t0 = NO_TRIANGLE, "out of range"),
             (&|p| p.given[3] = triangles, "out of range"),
             (&|p| p.surfaces[3] = triangles, "out of range"),
-            (&|p| _ = p.bodies.pop(), "out of range"),
-            (&|p| p.mesh.positions[2][1] = f32::NAN, "not finite"),
-            (&|p| p.tree = OnceLock::from(MeshTree::new(&builtin("knot").mesh)), "tree of another mesh"),
+            (&|p| _ = Arc::make_mut(&mut p.bodies).pop(), "out of range"),
+            (&|p| Arc::make_mut(&mut p.mesh).positions[2][1] = f32::NAN, "not finite"),
+            (&|p| p.tree = Arc::new(OnceLock::from(MeshTree::new(&builtin("knot").mesh))), "tree of another mesh"),
         ];
         for (k, (change, expected)) in changes.into_iter().enumerate() {
             let told = told(change).unwrap_err();

@@ -109,7 +109,9 @@ fn kind_of(casters: &Casters) -> Casters<'static> {
         Casters::Moving { .. } => Casters::Moving { rest: &[], triangles: &[] },
         Casters::Instanced { .. } => Casters::Instanced { meshes: &[], instances: &[] },
         Casters::Parts { .. } => Casters::Parts { parts: &[], room: 0 },
-        Casters::Static { .. } | Casters::Prepared(_) => Casters::Static { positions: &[], triangles: &[] },
+        Casters::Static { .. } | Casters::Prepared(_) | Casters::Uploaded(_) => {
+            Casters::Static { positions: &[], triangles: &[] }
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The casters of a pass on the GPU.
 
 use super::Casters;
+use super::caster_upload::uploaded;
 use super::inputs::{CasterMesh, Inputs};
 use super::parts::PartSet;
 use crate::gpu::{Buffer, Recorder};
@@ -50,6 +51,7 @@ impl CasterSet {
                 return Self::of_parts(device, queue, PartSet::new(device, queue, parts, room)?);
             }
             Casters::Prepared(prepared) => return Self::of_prepared(device, queue, prepared),
+            Casters::Uploaded(uploaded) => return Ok(uploaded.set()),
             Casters::AlphaTested { casters, tested } => (casters, tested),
             _ => (casters, &whole),
         };
@@ -57,7 +59,7 @@ impl CasterSet {
             Casters::AlphaTested { .. } => {
                 return Err(Error::Config("casters: alpha-tested ones among alpha-tested ones".to_owned()));
             }
-            Casters::Prepared(_) => {
+            Casters::Prepared(_) | Casters::Uploaded(_) => {
                 return Err(Error::Config("casters: prepared ones are alpha-tested as they were prepared".to_owned()));
             }
             Casters::Parts { .. } => {
@@ -92,7 +94,7 @@ impl CasterSet {
         if moves.is_none() {
             prepared.tree(); // now, and not in the first frame
         } else {
-            prepared.bodies.fill(false);
+            prepared = prepared.without_bodies();
         }
         let mut buffers = prepared.upload(device, queue)?;
         if moves.is_some() {
@@ -105,11 +107,7 @@ impl CasterSet {
 
     /// Uploads casters that stand and are prepared.
     pub fn of_prepared(device: &wgpu::Device, queue: &wgpu::Queue, prepared: &Prepared) -> Result<Self> {
-        prepared.tree(); // of the original, so that all who use it have it
-        let buffers = prepared.upload(device, queue)?;
-        let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
-        let prepared = Arc::new(prepared.geometry());
-        Ok(Self { prepared, buffers, numbers, moves: None, parts: None })
+        Ok(uploaded(device, queue, prepared)?.set())
     }
 
     /// Uploads casters in parts.

@@ -1,7 +1,7 @@
 //! Inputs that an application hands to the pass, and the checks of them.
 
 use super::textures::{ImagePart, check_sampled};
-use super::{GBuffer, ListedTarget};
+use super::{GBuffer, ListedTarget, UploadedCasters};
 use crate::methods::Prepared;
 use crate::scene::{AlphaTested, Camera, Light};
 use crate::stages::caster_positions::Vertices;
@@ -23,6 +23,9 @@ pub enum Casters<'a> {
     /// At rest, prepared already, with or without alpha: what several passes of one mesh share is found once. Triangles have the numbers of the
     /// mesh that was prepared.
     Prepared(&'a Prepared),
+    /// At rest, prepared and uploaded already ([`CasterUpload`](super::CasterUpload)): passes share the memory, and one more takes none of its own.
+    /// Triangles as with `Prepared`.
+    Uploaded(&'a UploadedCasters),
     /// In a vertex buffer that the application rewrites: each frame brings it as [`Moved`].
     Moving {
         /// One pose. Vertices at one point of it are taken as one and must stay at one point (each frame says whether they
@@ -65,6 +68,7 @@ impl Casters<'_> {
         match self {
             Casters::Static { .. } | Casters::Moving { .. } => false,
             Casters::Prepared(prepared) => !prepared.alpha().is_empty(),
+            Casters::Uploaded(uploaded) => !uploaded.prepared.alpha().is_empty(),
             Casters::Instanced { meshes, .. } => meshes.iter().any(CasterMesh::is_tested),
             Casters::Parts { parts, .. } => parts.iter().any(|part| part.mesh.is_tested()),
             Casters::AlphaTested { tested, .. } => !tested.is_empty(),

@@ -36,6 +36,7 @@
 
 mod background;
 mod beside;
+mod caster_upload;
 mod casters;
 mod checks;
 mod gbuffer;
@@ -58,6 +59,7 @@ mod views;
 pub use crate::stages::caster_positions::Vertices;
 pub use crate::stages::instance_positions::Transforms;
 pub use background::Compiling;
+pub use caster_upload::{CasterUpload, UploadedCasters};
 pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
 pub use inputs::{
     CasterMesh, CasterPart, Casters, Inputs, LightReach, LightTarget, Moved, PartAt, PartKind, PartPlace, Placed,

@@ -398,7 +398,7 @@ impl PartSet {
         }
         let positions = Buffer::with_room(device, queue, "casters.positions", &positions, 3 * room)?;
         let triangles = Buffer::with_room(device, queue, "casters.triangles", &triangles, room + tested)?;
-        triangles.write_behind(queue, first, &elements);
+        triangles.write_from(queue, first, &elements);
         Ok((positions, triangles))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::instances::{SAME, Transform, exact, expanded, uploaded};
 use super::*;
-use subpixel_shadows::pass::{CasterMesh, Placed, Transforms};
+use subpixel_shadows::pass::{CasterMesh, CasterUpload, Placed, Transforms};
 use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Roles, TestedTriangle};
 
 /// The renderer's picture of casters with holes.
@@ -131,6 +131,52 @@ fn prepared_casters_are_the_casters() {
         assert_same(name, &complete(&mut other, &inputs).0, &want);
         let twice = Casters::AlphaTested { casters: &ready, tested: &scene.alpha };
         let refused = other.set_casters(&twice).expect_err("it is said twice").to_string();
+        assert!(refused.contains("prepared"), "{refused}");
+        seen.push(want);
+    }
+    assert!(seen[0] != seen[1]);
+}
+
+/// Casters that are uploaded once, whole or piece by piece, are the casters of every pass that is given them, with their holes: in the same memory, which no
+/// pass counts as its own. One that lacks the last pieces is another.
+#[gpu_test]
+fn uploaded_casters_are_the_casters() {
+    let mut seen = Vec::new();
+    for name in ["leaves", "spheres"] {
+        let scene = scene(name);
+        let inputs = Inputs::new(&scene.camera, &scene.light);
+        let prepared = Arc::new(scene.prepared().expect("a sound mesh"));
+        let mut own = pass(settings(FacetMode::All), Casters::Prepared(&prepared));
+        let (want, _) = complete(&mut own, &inputs);
+        let of_casters = |pass: &ShadowPass| -> u64 {
+            pass.memory().iter().filter(|buffer| buffer.label.starts_with("casters.")).map(|buffer| buffer.bytes).sum()
+        };
+        let upload = || CasterUpload::new(&gpu().device, &gpu().queue, prepared.clone()).expect("memory");
+        let whole = upload().finish();
+        let mut pieces = upload();
+        let (early, mut turns) = (pieces.casters().clone(), 1);
+        let mut first = pass(settings(FacetMode::All), Casters::Uploaded(&early));
+        let bytes = early.bytes();
+        while !pieces.advance(bytes / 40) {
+            turns += 1;
+            if turns == 12 {
+                let mut half = pass(settings(FacetMode::All), Casters::Uploaded(&early));
+                assert_ne!(frame(&mut half, &inputs).0, want, "{name}: half of it");
+            }
+        }
+        // Some lists are written at once.
+        assert!((20..60).contains(&turns) && pieces.advance(1), "{name}: {turns} pieces");
+        let casters = Casters::Uploaded(&whole);
+        assert_eq!(casters.are_tested(), name == "leaves");
+        let mut second = pass(settings(FacetMode::All), casters);
+        assert_eq!([of_casters(&own), of_casters(&first), of_casters(&second)], [bytes, 0, 0], "{name}");
+        for pass in [&mut first, &mut second] {
+            assert_same(name, &complete(pass, &inputs).0, &want);
+        }
+        second.set_casters(&Casters::Uploaded(&pieces.finish())).expect("other casters");
+        assert_same(name, &complete(&mut second, &inputs).0, &want);
+        let twice = Casters::AlphaTested { casters: &casters, tested: &scene.alpha };
+        let refused = second.set_casters(&twice).expect_err("it is said twice").to_string();
         assert!(refused.contains("prepared"), "{refused}");
         seen.push(want);
     }

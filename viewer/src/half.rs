@@ -5,11 +5,9 @@ use crate::picture::{Shown, counts, extent, unknown_visibility, visibility};
 use lab::options::PartitionBy;
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light};
-use std::sync::Arc;
 use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
-use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::pass::{FrameStatus, Inputs, Target};
+use subpixel_shadows::pass::{FrameStatus, Inputs, Target, UploadedCasters};
 use subpixel_shadows::scene::AreaLight;
 use subpixel_shadows::{ShadowPass, wgpu};
 
@@ -74,7 +72,7 @@ const TRIES: u32 = 10;
 
 impl Half {
     /// Begins to make a pass of the options' method for pictures of `size` pixels; `counted`: which counts their pixels.
-    pub fn new(gpu: &Gpu, prepared: &Arc<Prepared>, options: &RenderOptions, size: [u32; 2], counted: bool) -> Self {
+    pub fn new(gpu: &Gpu, casters: &UploadedCasters, options: &RenderOptions, size: [u32; 2], counted: bool) -> Self {
         let counts = counted.then(|| [counts(&gpu.device, size), counts(&gpu.device, size)]);
         let options = RenderOptions { size, ..options.clone() };
         let area = (options.light_radius, options.light_points);
@@ -83,7 +81,7 @@ impl Half {
         // The first tells the depths by which the next is cut.
         let sees = options.method.takes("partition") && options.partition == PartitionBy::SeenDepths;
         let frames = if sees { frames.max(2) } else { frames };
-        let wanted = Wanted { options, counted, prepared: prepared.clone() };
+        let wanted = Wanted { options, counted, casters: casters.clone() };
         let making = Making::new(gpu, wanted);
         let (work, shown) = (visibility(&gpu.device, size), unknown_visibility((&gpu.device, &gpu.queue), size));
         Self {
@@ -116,10 +114,10 @@ impl Half {
         if let Pass::Made(pass) = &self.pass { Some(pass) } else { None }
     }
 
-    /// Takes over the pass if it is made, on a page beside one that is there already; whether frames can be recorded.
-    pub fn is_made(&mut self, beside: Option<&ShadowPass>) -> bool {
+    /// Takes over the pass if it is made; whether frames can be recorded.
+    pub fn is_made(&mut self) -> bool {
         if let Pass::Making(making) = &mut self.pass {
-            match making.take(beside) {
+            match making.take() {
                 Some(Ok(pass)) => self.pass = Pass::Made(Box::new(pass)),
                 Some(Err(error)) => {
                     self.pass = Pass::Refused;

@@ -8,9 +8,8 @@ use crate::truth::Tracing;
 use crate::view::{Against, View};
 use lab::options::RenderOptions;
 use lab::scene::{Camera, Light};
-use std::sync::Arc;
 use subpixel_shadows::ShadowPass;
-use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::pass::UploadedCasters;
 
 /// Camera and light of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,26 +46,26 @@ pub struct Level {
     pub counted: bool,
     /// The moment whose frames run, since when, and of how many halves from the left.
     running: Option<(Moment, f64, usize)>,
-    prepared: Arc<Prepared>,
+    casters: UploadedCasters,
     left: RenderOptions,
 }
 
 impl Level {
     /// Begins to make the passes for pictures of `size` pixels.
-    pub fn new(gpu: &Gpu, prepared: &Arc<Prepared>, view: &View, size: [u32; 2]) -> Self {
+    pub fn new(gpu: &Gpu, casters: &UploadedCasters, view: &View, size: [u32; 2]) -> Self {
         let half = |options: &RenderOptions| {
             let counted = view.overlay.counted().is_some() && Overlay::Classes.is_of(options.method);
             // Pictures show counts by one binding.
             let fits =
                 gpu.device.limits().max_storage_buffer_binding_size >= u64::from(size[0]) * u64::from(size[1]) * 16;
-            Half::new(gpu, prepared, options, size, counted && fits)
+            Half::new(gpu, casters, options, size, counted && fits)
         };
         let mut halves = vec![half(&view.left)];
         if let Against::Method(options) = &view.right {
             halves.push(half(options));
         }
         let picture = Picture::new(&gpu.device, size);
-        let (prepared, left) = (prepared.clone(), view.left.clone());
+        let (casters, left) = (casters.clone(), view.left.clone());
         Self {
             halves,
             picture,
@@ -80,7 +79,7 @@ impl Level {
             traced: None,
             counted: view.overlay.counted().is_some(),
             running: None,
-            prepared,
+            casters,
             left,
         }
     }
@@ -120,15 +119,15 @@ impl Level {
     }
 
     /// Takes over passes that are made: of how many halves from the left there is one.
-    fn make<'a>(&'a mut self, gpu: &Gpu, mut beside: Option<&'a ShadowPass>) -> usize {
+    fn make(&mut self, gpu: &Gpu) -> usize {
         let mut made = 0;
         for (k, half) in self.halves.iter_mut().enumerate() {
             let before = half.pass().is_some();
-            if half.is_made(beside) && made == k {
+            if half.is_made() && made == k {
                 made += 1;
             }
             if cfg!(target_family = "wasm") {
-                // A page makes one pass in a task, beside those before, and draws itself in between.
+                // A page makes one pass in a task, and draws itself in between.
                 if half.pass().is_some() != before {
                     gpu.context.request_repaint();
                     break;
@@ -138,15 +137,14 @@ impl Level {
                     break;
                 }
             }
-            beside = beside.or(half.pass());
         }
         made
     }
 
-    /// Goes on with what runs, and begins `wanted` where nothing does, of the halves that are made; `now` is in seconds; `beside`: a pass whose casters are
-    /// those of these, too. Whether something new can be drawn.
-    pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64, beside: Option<&ShadowPass>) -> bool {
-        let (made, all) = (self.make(gpu, beside), self.halves.len());
+    /// Goes on with what runs, and begins `wanted` where nothing does, of the halves that are made; `now` is in seconds. The casters are uploaded. Whether
+    /// something new can be drawn.
+    pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64) -> bool {
+        let (made, all) = (self.make(gpu), self.halves.len());
         if let Some((moment, since, running)) = self.running {
             let (halves, Moment { camera, light }) = (&mut self.halves[..running], moment);
             let run = |half: &mut Half| (!half.is_done(gpu, &camera, &light)).then_some(());
@@ -202,7 +200,7 @@ impl Level {
     /// One line: why nothing can be traced.
     pub fn trace(&mut self, gpu: &Gpu, rays: &Rays) -> Result<bool, String> {
         let Some(Moment { camera, light }) = self.shown else { return Ok(false) };
-        let points = self.left.points(&light, self.prepared.mesh()).map_err(|e| e.to_string())?;
+        let points = self.left.points(&light, self.casters.mesh()).map_err(|e| e.to_string())?;
         let view = TracedView { camera, points, size: self.picture.size };
         if !self.tracing.as_ref().is_some_and(|tracing| tracing.is_of(&view)) {
             self.tracing = Some(Tracing::new((&gpu.device, &gpu.queue), rays.clone(), view));

@@ -6,8 +6,8 @@ use lab::options::RenderOptions;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use subpixel_shadows::gpu::KeptPrograms;
-use subpixel_shadows::methods::{Prepared, Settings};
-use subpixel_shadows::pass::{Casters, PassConfig};
+use subpixel_shadows::methods::Settings;
+use subpixel_shadows::pass::{Casters, PassConfig, UploadedCasters};
 use subpixel_shadows::{Result, ShadowPass};
 
 /// Options of a pass: of a method, of its image, and whether its pixels are counted.
@@ -18,7 +18,7 @@ pub struct Wanted {
     /// Whether its pixels are counted.
     pub counted: bool,
     /// The casters.
-    pub prepared: Arc<Prepared>,
+    pub casters: UploadedCasters,
 }
 
 impl Wanted {
@@ -32,7 +32,7 @@ impl Wanted {
             timing: true,
             prove: !options.force_all,
             programs: Some(programs),
-            ..PassConfig::new(settings, Casters::Prepared(&self.prepared))
+            ..PassConfig::new(settings, Casters::Uploaded(&self.casters))
         })
     }
 
@@ -78,18 +78,15 @@ impl Making {
         [0, 1].map(|k| self.compiled[k].load(Ordering::Relaxed))
     }
 
-    /// The pass, once; on a page that of the casters of a pass that is there already, where there is one.
-    pub fn take(&mut self, _beside: Option<&ShadowPass>) -> Option<Result<ShadowPass>> {
+    /// The pass, once.
+    pub fn take(&mut self) -> Option<Result<ShadowPass>> {
         #[cfg(not(target_family = "wasm"))]
         return self.made.take();
         #[cfg(target_family = "wasm")]
         {
             let (gpu, wanted) = &self.wanted;
             let compile = || Job::of(&gpu.context, compile(gpu.clone(), wanted.clone(), self.compiled.clone()));
-            Some(self.made.get_or_insert_with(compile).take()?.and_then(|()| match _beside {
-                Some(pass) => wanted.with(&gpu.programs, |config| pass.beside(config)),
-                None => wanted.make(gpu, &gpu.programs),
-            }))
+            Some(self.made.get_or_insert_with(compile).take()?.and_then(|()| wanted.make(gpu, &gpu.programs)))
         }
     }
 }

@@ -5,9 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use lab::scene::{Camera, Light};
 use subpixel_shadows::Result;
-use subpixel_shadows::methods::Prepared;
-use subpixel_shadows::methods::prepared::surfaces;
-use subpixel_shadows::pass::DepthTerms;
+use subpixel_shadows::pass::{DepthTerms, UploadedCasters};
 use subpixel_shadows::stages::pixel_counts::PixelCounts;
 use subpixel_shadows::wgpu;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
@@ -211,26 +209,22 @@ pub struct DrawnMesh {
 }
 
 impl DrawnMesh {
-    /// Uploads a mesh, with the holes of its triangles.
-    ///
-    /// # Errors
-    /// As [`surfaces`].
-    pub fn new((device, queue): (&wgpu::Device, &wgpu::Queue), shader: &Shader, prepared: &Prepared) -> Result<Self> {
-        let (positions, triangles) = surfaces(device, queue, prepared, 0)?;
+    /// A mesh in the memory of casters, with the holes of its triangles.
+    pub fn new(device: &wgpu::Device, shader: &Shader, casters: &UploadedCasters) -> Self {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("viewer.view"),
             size: size_of::<Uniform>() as u64,
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let entries = [(0, &uniform), (1, positions.raw()), (2, triangles.raw())]
+        let entries = [(0, &uniform), (1, casters.positions()), (2, casters.triangles())]
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("viewer.mesh"),
             layout: &shader.mesh,
             entries: &entries,
         });
-        Ok(Self { uniform, bindings, corners: 3 * prepared.mesh().triangles.len() as u32 })
+        Self { uniform, bindings, corners: 3 * casters.mesh().triangles.len() as u32 }
     }
 }
 

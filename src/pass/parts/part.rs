@@ -87,7 +87,7 @@ impl NewPart {
             }
         };
         // Triangles turned outward, or in one plane, at rest may not be so in motion.
-        new.prepared.bodies.fill(false);
+        new.prepared = new.prepared.without_bodies();
         new.prepared.surfaces = (0..new.prepared.mesh().triangles.len() as u32).collect();
         Ok(new)
     }

@@ -1,6 +1,6 @@
 //! Both resolutions: frames that run, and pictures that are drawn of them.
 
-use super::{DRAWN, HISTORY, REST, SLOW, Viewer};
+use super::{DRAWN, HISTORY, REST, SLOW, UPLOADED, Viewer};
 use crate::level::Level;
 use crate::picture::Shot;
 use crate::view::Against;
@@ -23,11 +23,15 @@ impl Viewer {
         let grown = self.full.as_ref().is_none_or(|level| level.picture.size != size);
         // A window that is being dragged is not followed step by step.
         if grown && (self.full.is_none() || now - self.size_at.0 > REST) {
-            let mut full = Level::new(&self.gpu, &self.prepared, &self.view, size);
+            let mut full = Level::new(&self.gpu, self.upload.casters(), &self.view, size);
             full.keep_traced(traced);
             self.full = Some(full);
             self.rough = None;
             self.of_rough = false;
+        }
+        if !self.upload.advance(UPLOADED) {
+            self.context.request_repaint();
+            return;
         }
         let Some(full) = &mut self.full else { return };
         let seconds = full.seconds.unwrap_or(0.0);
@@ -35,11 +39,11 @@ impl Viewer {
         if moves && self.rough.is_none() {
             let factor = (seconds / SLOW).sqrt().ceil().min(6.0) as u32;
             let less = full.picture.size.map(|side| (side / factor).max(8));
-            self.rough = Some(Level::new(&self.gpu, &self.prepared, &self.view, less));
+            self.rough = Some(Level::new(&self.gpu, self.upload.casters(), &self.view, less));
         }
         let mut new = match &mut self.rough {
-            Some(rough) if moves => rough.advance(&self.gpu, &self.moment, now, full.pass()),
-            _ => full.advance(&self.gpu, &self.moment, now, None),
+            Some(rough) if moves => rough.advance(&self.gpu, &self.moment, now),
+            _ => full.advance(&self.gpu, &self.moment, now),
         };
         if new {
             self.of_rough = moves && self.rough.is_some();

@@ -25,6 +25,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::methods::Prepared;
+use subpixel_shadows::pass::CasterUpload;
 use subpixel_shadows::wgpu;
 
 /// Seconds without a move after which the whole resolution is computed.
@@ -33,6 +34,8 @@ const REST: f64 = 0.25;
 const SLOW: f64 = 0.1;
 /// Seconds after which traced pixels are drawn.
 const DRAWN: f64 = 0.2;
+/// Bytes of casters that are uploaded between two pictures of the window.
+const UPLOADED: u64 = 16 << 20;
 /// Pixels on either side of the wipe that drag it.
 const REACH: f32 = 8.0;
 /// Width of a window, points, below which the panel is opened by hand.
@@ -64,6 +67,7 @@ pub struct Viewer {
     prepared: Arc<Prepared>,
     home: Moment,
     extent: Extent,
+    upload: CasterUpload,
     mesh: DrawnMesh,
     moment: Moment,
     full: Option<Level>,
@@ -116,7 +120,8 @@ impl Viewer {
             context: context.clone(),
         };
         let shader = Shader::new(&gpu.device);
-        let mesh = DrawnMesh::new((&gpu.device, &gpu.queue), &shader, &prepared)?;
+        let upload = CasterUpload::new(&gpu.device, &gpu.queue, prepared.clone())?;
+        let mesh = DrawnMesh::new(&gpu.device, &shader, upload.casters());
         let home = Moment { camera: scene.camera, light: scene.light };
         Ok(Self {
             context: context.clone(),
@@ -129,6 +134,7 @@ impl Viewer {
             scene,
             prepared,
             home,
+            upload,
             mesh,
             moment: home,
             full: None,
@@ -290,16 +296,17 @@ impl Viewer {
     fn take_opened(&mut self) {
         let Some((name, job)) = &self.opening else { return };
         let Some(opened) = job.take() else { return };
-        let gpu = (&self.gpu.device, &self.gpu.queue);
-        let drawn = |prepared: &Prepared| DrawnMesh::new(gpu, &self.shader, prepared);
-        let opened = opened.and_then(|opened| Ok((drawn(&opened.prepared).map_err(|e| e.to_string())?, opened)));
+        let Gpu { device, queue, .. } = &self.gpu;
+        let upload = |prepared: &Arc<Prepared>| CasterUpload::new(device, queue, prepared.clone());
+        let opened = opened.and_then(|opened| Ok((upload(&opened.prepared).map_err(|e| e.to_string())?, opened)));
         match opened {
-            Ok((drawn, Opened { scene, prepared, note, rays })) => {
+            Ok((upload, Opened { scene, prepared, note, rays })) => {
                 self.view.scene = Some(name.clone());
                 self.home = Moment { camera: scene.camera, light: scene.light };
                 self.moment = self.home;
                 self.extent = Extent::of(&prepared);
-                self.mesh = drawn;
+                self.mesh = DrawnMesh::new(device, &self.shader, upload.casters());
+                self.upload = upload;
                 self.prepared = prepared;
                 self.scene = scene;
                 self.rays = rays;

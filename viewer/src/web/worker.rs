@@ -8,8 +8,10 @@ use lab::scene::{
 };
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::task::{Context, Poll, ready};
 use subpixel_shadows::methods::Prepared;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -76,6 +78,34 @@ pub async fn pause() -> Result<(), JsValue> {
     }
 }
 
+/// Bytes in the page's memory, which are read piece by piece.
+struct Pieces {
+    bytes: js_sys::Uint8Array,
+    /// The next one.
+    at: u32,
+    /// Bytes of the piece that are left.
+    left: u32,
+    /// Between pieces.
+    pause: Pin<Box<dyn Future<Output = Result<(), JsValue>>>>,
+}
+
+/// Bytes of a piece.
+const PIECE: u32 = 8 << 20;
+
+impl futures::AsyncRead for Pieces {
+    fn poll_read(mut self: Pin<&mut Self>, with: &mut Context, into: &mut [u8]) -> Poll<std::io::Result<usize>> {
+        if self.left == 0 {
+            ready!(self.pause.as_mut().poll(with)).map_err(|e| std::io::Error::other(line_of(e)))?;
+            (self.left, self.pause) = (PIECE, Box::pin(pause()));
+        }
+        let count = self.left.min(self.bytes.length() - self.at).min(into.len() as u32);
+        self.bytes.subarray(self.at, self.at + count).copy_to(&mut into[..count as usize]);
+        self.at += count;
+        self.left -= count;
+        Poll::Ready(Ok(count as usize))
+    }
+}
+
 /// Has a scene opened in the worker.
 pub async fn open(spec: String, options: SceneOptions, files: Files) -> Opening {
     opened(&spec, options, &files).await.map_err(line_of)
@@ -104,11 +134,10 @@ async fn opened(spec: &str, options: SceneOptions, files: &Files) -> Result<Open
         let [y, half_width, x, z] = g[..] else { return None };
         Some(Ground { y, half_width, center: [x, z] })
     });
-    let bytes = told.get(HEAD.bytes).dyn_into::<js_sys::Uint8Array>()?.to_vec();
-    // Each of these takes a large mesh a while.
-    pause().await?;
-    let prepared = Prepared::from_bytes(&bytes).map_err(|e| e.to_string())?;
-    pause().await?;
+    let bytes = told.get(HEAD.bytes).dyn_into::<js_sys::Uint8Array>()?;
+    let length = bytes.length();
+    let pieces = Pieces { bytes, at: 0, left: 0, pause: Box::pin(async { Ok(()) }) };
+    let prepared = Prepared::read(pieces, length.into()).await.map_err(|e| e.to_string())?;
     let base = match told.get(HEAD.builtin).as_string() {
         Some(name) => Base::Builtin(name),
         None => Base::Mesh(text(HEAD.mesh)),

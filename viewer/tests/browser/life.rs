@@ -50,8 +50,7 @@ fn the_first_picture_comes_soon() {
         .value("setTimeout(() => { const end = performance.now() + 200; while (performance.now() < end); }, 0); true");
     page.0.until("a long task is told", "tasks.some(ms => ms > 190)");
     assert!(turned && traced, "tasks of more than 100 ms");
-    // The mesh of 2.2 million triangles is copied, three tasks of about 0.2 s.
-    assert!(opened[1..4].iter().all(|short| *short), "tasks of more than 100 ms while scenes are opened: {opened:?}");
+    assert!(opened[1..].iter().all(|short| *short), "tasks of more than 100 ms while scenes are opened: {opened:?}");
 }
 
 /// A worker that comes to its end is replaced: the page says so, and opens the next scene as before.
