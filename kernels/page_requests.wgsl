@@ -8,6 +8,11 @@
 // there. `choose` takes the least s whose pages are no more than BUDGET: writes `flags`, 1 of a page that
 // is made, `masks`, the levels of which a page is made that holds a node or lies in it, and behind the
 // offsets in `table` that s and the pages of s = 0.
+//
+// With FITTED (fitted virtual shadow maps: Giegl, Wimmer 2007) `request` marks no pages, but cells of the
+// view, which are the pages of one level: a word of each, behind the nodes, is one more than the finest
+// level in thirds that is asked for by a pixel whose box touches it. `spread` marks all pages of each cell
+// at its level, and `fit` writes to `levels` the finest level of the cells that a pixel touches.
 
 //@import frame dispatch receiver map_footprint page_tree divide
 
@@ -15,9 +20,11 @@ const WORKGROUP = 64u;
 const REQUEST_HEAD = 32u;
 const THIRDS = 3u;            // of a level: steps by which all are made coarser
 const TABLE_TAIL = 2u;         // words of `table` behind the nodes before those that `choose` writes
+const MOST_CELLS = 5u;         // level whose pages are cells, where there are finer ones
 const SLACK = 0.5;             // texels: whoever reads places samples anew and may round otherwise
 
 override FINER: u32 = 0u;
+override FITTED: u32 = 0u;
 override BUDGET: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -61,6 +68,26 @@ fn level_for(square: f32, extent: f32, w: f32) -> i32 {
     return clamp(min(matched, i32(THIRDS) * (i32(PAGE_BASE) + told)), 0, i32(THIRDS * PAGE_LAST));
 }
 
+// The level whose pages are cells.
+fn cell_level() -> u32 { return min(MOST_CELLS, PAGE_LAST); }
+
+// The word of a cell.
+fn cell_word(cell: vec2<u32>) -> u32 {
+    return REQUEST_HEAD + finest_side() * tree_width() + (cell.y << cell_level()) + cell.x;
+}
+
+struct Touched { first: vec2<u32>, last: vec2<u32>, some: bool }
+
+// The pages of a level that a box of places on the map touches.
+fn pages_touched(level: u32, low: vec2<f32>, high: vec2<f32>) -> Touched {
+    let side = f32(frame.map_size);
+    let scale = scale_of(level);
+    let end = vec2(ceil(side * scale) - 1.0);
+    return Touched(vec2<u32>(clamp(low * scale - SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT),
+        vec2<u32>(clamp(high * scale + SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT),
+        all(high >= vec2(0.0)) && all(low < vec2(side)));
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn request(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -79,15 +106,73 @@ fn request(
     let thirds = u32(level_for(square, extent, f.w));
     levels[pixel] = thirds;
     let level = (thirds + THIRDS - 1u) / THIRDS;
-    let side = f32(frame.map_size);
-    if any(high < vec2(0.0)) || any(low >= vec2(side)) { return; }
-    let scale = scale_of(level);
-    let end = vec2(ceil(side * scale) - 1.0);
-    let first = vec2<u32>(clamp(low * scale - SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT);
-    let last = vec2<u32>(clamp(high * scale + SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT);
-    for (var y = first.y; y <= last.y; y++) {
-        for (var x = first.x; x <= last.x; x++) { ask(level, vec2(x, y), THIRDS * level - thirds); }
+    let touched = pages_touched(select(level, cell_level(), FITTED != 0u), low, high);
+    if !touched.some { return; }
+    for (var y = touched.first.y; y <= touched.last.y; y++) {
+        for (var x = touched.first.x; x <= touched.last.x; x++) {
+            if FITTED == 0u {
+                ask(level, vec2(x, y), THIRDS * level - thirds);
+            } else {
+                atomicMax(&requests[cell_word(vec2(x, y))], thirds + 1u);
+            }
+        }
     }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn fit(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let f = map_footprint(pixel);
+    if !f.some { return; }
+    let touched = pages_touched(cell_level(), f.low, f.high);
+    if !touched.some { return; }
+    var finest = 0u;
+    for (var y = touched.first.y; y <= touched.last.y; y++) {
+        for (var x = touched.first.x; x <= touched.last.x; x++) {
+            finest = max(finest, atomicLoad(&requests[cell_word(vec2(x, y))]));
+        }
+    }
+    // The pixel itself was one that asked.
+    levels[pixel] = max(finest, 1u) - 1u;
+}
+
+struct Node { level: u32, page: vec2<u32>, some: bool }
+
+// The page of a node. Beside a level, and in the last row, the grid has nodes that are none.
+fn page_of(node: u32) -> Node {
+    let side = finest_side();
+    let at = divided(node, tree_width()).yx;
+    var level = PAGE_LAST;
+    if at.x >= side { level = firstLeadingBit(max(side - at.y - 1u, 1u)); }
+    let page = at - tree_corner(level);
+    return Node(level, page, all(page < vec2(1u << level)));
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn spread(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let node = flat_invocation(group, groups, WORKGROUP, local);
+    if node >= finest_side() * tree_width() { return; }
+    let at = page_of(node);
+    let cells = cell_level();
+    if !at.some || at.level < cells { return; }
+    let asked = atomicLoad(&requests[cell_word(at.page >> vec2(at.level - cells))]);
+    if asked == 0u { return; }
+    let thirds = asked - 1u;
+    let level = (thirds + THIRDS - 1u) / THIRDS;
+    // Cells of pages as large as they are, or larger, ask for the one that holds them.
+    if level != at.level && !(at.level == cells && level < cells) { return; }
+    let page = at.page >> vec2(at.level - level);
+    if any(vec2<f32>(page * PAGE) >= vec2(f32(frame.map_size) * scale_of(level))) { return; }
+    ask(level, page, THIRDS * level - thirds);
 }
 
 // Whether a page is made `thirds` coarser than asked, by the bits of its node.
@@ -115,14 +200,12 @@ fn choose(
         table[nodes + TABLE_TAIL] = coarser;
         table[nodes + TABLE_TAIL + 1u] = atomicLoad(&requests[0]) + 1u;
     }
-    let at = divided(node, tree_width()).yx;
-    var level = PAGE_LAST;
-    if at.x >= side { level = firstLeadingBit(max(side - at.y - 1u, 1u)); }
-    let page = at - tree_corner(level);
+    let at = page_of(node);
+    let level = at.level;
+    let page = at.page;
     flags[node] = 0u;
     masks[node] = 0u;
-    // Beside a level, and in the last row, the grid has nodes that are no pages.
-    if any(page >= vec2(1u << level)) { return; }
+    if !at.some { return; }
     // Bits of a page are those of its own pages below, moved by a level's thirds for each.
     let bits = bits_of(level, page);
     var mask = 1u;

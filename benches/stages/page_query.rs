@@ -6,13 +6,14 @@ use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder};
 use subpixel_shadows::stages::page_casters::PageTexels;
 use subpixel_shadows::stages::page_query::PageQuery;
-use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageTree};
+use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageRule, PageTree};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
     let samples = samples(gpu, 32)?;
     let (tree, budget) = (PageTree::new(MAP), 1024);
-    let requests = PageRequests::new(&gpu.device, PageRequestsOptions { tree, budget, finer: 0 })?;
+    let requests =
+        PageRequests::new(&gpu.device, PageRequestsOptions { tree, budget, finer: 0, rule: PageRule::Matched })?;
     let count = setup.id_keys.len();
     let nodes = PageNodes::new(&gpu.device, &requests, tree, count)?;
     let triangles = setup.casters.triangles.len();

@@ -4,14 +4,14 @@ use crate::harness::Case;
 use crate::harness::geometry::{MAP, Setup, samples};
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::Gpu;
-use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageTree};
+use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageRule, PageTree};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let mut cases = Vec::new();
     for choose in [false, true] {
         let Some(setup) = Setup::new(gpu, size)? else { return Ok(Vec::new()) };
         let samples = samples(gpu, 32)?;
-        let options = PageRequestsOptions { tree: PageTree::new(MAP), budget: 1024, finer: 0 };
+        let options = PageRequestsOptions { tree: PageTree::new(MAP), budget: 1024, finer: 0, rule: PageRule::Matched };
         let stage = PageRequests::new(&gpu.device, options)?;
         let count = setup.id_keys.len();
         let nodes = PageNodes::new(&gpu.device, &stage, options.tree, count)?;

@@ -31,8 +31,7 @@ fn render(out: &str, args: &[&str]) -> String {
 }
 
 fn frame(out: &str) -> Value {
-    let text = std::fs::read_to_string(Path::new(out).join("frame.json")).expect("frame.json");
-    serde_json::from_str(&text).expect("frame.json is JSON")
+    serde_json::from_slice(&bytes(out, "frame.json")).expect("frame.json is JSON")
 }
 
 fn bytes(out: &str, name: &str) -> Vec<u8> {
@@ -43,15 +42,15 @@ fn bytes(out: &str, name: &str) -> Vec<u8> {
 fn other_value(option: &str) -> &'static str {
     match option {
         "facets" => "one",
-        "validity" => "off",
         "masks" => "table",
         "pairs" => "sorted",
         "projection" => "two-step",
         "memory-limit" | "taps" => "16",
         "encoding" => "paper",
         "density" => "logarithmic",
+        "page-rule" => "fitted",
         "search" => "near",
-        "recovery" => "off",
+        "validity" | "recovery" => "off",
         "list-start" | "slope-power" | "reach" | "splits" => "1",
         "lookups" | "kernel" | "history" => "7",
         "rays" => "silhouettes",
@@ -384,7 +383,7 @@ mod gpu {
         use subpixel_shadows::light_view::{OmniMaps, PartBy, SplitPlan, Warp};
         use subpixel_shadows::mask_table::MaskVariant;
         use subpixel_shadows::methods::{
-            DensityRule, DiscFilter, HistorySettings, PairVariant, PixelFilter, ProjectionVariant, SmsrShape,
+            DensityRule, DiscFilter, HistorySettings, PageRule, PairVariant, PixelFilter, ProjectionVariant, SmsrShape,
             SpsmEncoding,
         };
         use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -431,6 +430,7 @@ mod gpu {
             "confidence-power" => s.history = s.history.map(|history| HistorySettings { power: 1, ..history }),
             "pages" => s.pages.pages = Some(1),
             "finer" => s.pages.finer = 2,
+            "page-rule" => s.pages.rule = PageRule::Fitted,
             "density" => s.axes.density = DensityRule::Logarithmic,
             "stretch" => s.axes.stretch = 2,
             "memory-limit" | "list-start" | "looks" => return None, // of memory, and of what is written

@@ -1002,13 +1002,14 @@ pub mod page_requests {
         FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295, FAR = 2139095040, FRONT = 0,
         BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0, SEEN_DARK = 1, SEEN_OPEN = 2,
         PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64, REQUEST_HEAD = 32, THIRDS = 3,
-        TABLE_TAIL = 2,
+        TABLE_TAIL = 2, MOST_CELLS = 5,
     }
     overrides! {
         paraboloids: u32 = 1, "PARABOLOIDS",
         page_base: u32 = 3, "PAGE_BASE",
         page_last: u32 = 8, "PAGE_LAST",
         finer: u32 = 0, "FINER",
+        fitted: u32 = 0, "FITTED",
         budget: u32 = 64, "BUDGET",
     }
     entry_point! { "page_requests", "request", [64, 1, 1], SOURCE, Constants => Request, RequestProgram {
@@ -1019,14 +1020,30 @@ pub mod page_requests {
         5 requests: Write<'a, u32>,
         6 levels: Write<'a, u32>,
     } }
+    entry_point! { "page_requests", "fit", [64, 1, 1], SOURCE, Constants => Fit, FitProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 id_keys: Read<'a, u32>,
+        3 triangles: Read<'a, [u32; 4]>,
+        4 points: Read<'a, [f32; 4]>,
+        5 requests: Write<'a, u32>,
+        6 levels: Write<'a, u32>,
+    } }
+    entry_point! { "page_requests", "spread", [64, 1, 1], SOURCE, Constants => Spread, SpreadProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        5 requests: Write<'a, u32>,
+    } }
     entry_point! { "page_requests", "choose", [64, 1, 1], SOURCE, Constants => Choose, ChooseProgram {
         5 requests: Write<'a, u32>,
         7 flags: Write<'a, u32>,
         8 masks: Write<'a, u32>,
         9 table: Write<'a, u32>,
     } }
+    subset! { Request => Fit { frame, id_keys, triangles, points, requests, levels } }
+    subset! { Request => Spread { frame, requests } }
+    subset! { Fit => Request { frame, id_keys, triangles, points, requests, levels } }
+    subset! { Fit => Spread { frame, requests } }
     entries! {
-        Request, Choose,
+        Request, Fit, Spread, Choose,
     }
 }
 

@@ -47,6 +47,7 @@ mod texel_query;
 pub mod texel_settings;
 
 pub use crate::pixel_filter::PixelFilter;
+pub use crate::stages::page_requests::PageRule;
 #[cfg(feature = "baselines")]
 pub use debug_views::{DebugMap, DebugViews, PixelClass};
 pub use facet_masks::FacetMasks;

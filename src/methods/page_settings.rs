@@ -1,6 +1,6 @@
 //! Options of the method of pages.
 
-use crate::stages::page_requests::PageTree;
+use crate::stages::page_requests::{PageRule, PageTree};
 use crate::{Error, Result};
 
 /// Options of `resolution-matched`, whose bias is that of [`ShadowMapSettings`](super::ShadowMapSettings).
@@ -11,6 +11,8 @@ pub struct PageSettings {
     pub pages: Option<u32>,
     /// Levels beyond that whose texels are no longer than a pixel on its receiver: 0 to [`PageSettings::FINEST`]. Each asks for four times the texels.
     pub finer: u32,
+    /// Rule by which pages are asked for.
+    pub rule: PageRule,
 }
 
 impl PageSettings {

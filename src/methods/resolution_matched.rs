@@ -1,6 +1,7 @@
 //! `resolution-matched`: resolution-matched shadow maps (Lefohn, Sengupta, Owens 2007), one page of calls to stages. The light's view is a
 //! quadtree of pages of 32 × 32 texels, of which those are made that pixels ask for, by as many thirds of a level coarser as a budget takes. Pages are
-//! made anew in every frame; nothing is read back. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
+//! made anew in every frame; nothing is read back. By [`PageRule::Fitted`](crate::stages::page_requests::PageRule) they are fitted virtual shadow
+//! maps (Giegl, Wimmer 2007): all pages of a cell of the view, as fine as the finest that is asked for in it. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
 
 use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
 use super::output::Counts;
@@ -32,9 +33,9 @@ impl ResolutionMatched {
         let MethodParts { device, queue, casters, settings, .. } = parts;
         settings.check()?;
         let ShadowMapSettings { constant, slope, .. } = settings.shadow_map;
-        let PageSettings { finer, .. } = settings.pages;
+        let PageSettings { finer, rule, .. } = settings.pages;
         let (tree, budget) = (PageTree::new(settings.map), settings.pages.budget(settings.map));
-        let requests = PageRequests::new(device, PageRequestsOptions { tree, budget, finer })?;
+        let requests = PageRequests::new(device, PageRequestsOptions { tree, budget, finer, rule })?;
         Ok(Self {
             nodes: PageNodes::new(device, &requests, tree, settings.pixels())?,
             texels: PageTexels::new(device, queue, casters.triangles.len(), budget)?,

@@ -6,9 +6,12 @@
 //! - **Guarantee.** Bit-equal from run to run. A pixel asks for the coarsest level whose texels are no longer than its step on its
 //!   receiver, to the right or down, whichever is longer, `finer` levels beyond it, as far as single precision tells texels apart. The pages that are made are those asked for, all by
 //!   the least number of thirds of a level coarser by which they are no more than the budget. The coarsest page is always made.
-//! - **Cost.** One dispatch over pixels, one over nodes; 20 bytes a node and 4 a pixel.
+//!   By [`PageRule::Fitted`] the view is cut into cells, the pages of level 5 or of the finest, and all pages of a cell are asked for
+//!   at the finest level that any pixel in it asks for, which is then that of all its pixels.
+//! - **Cost.** One dispatch over pixels, one over nodes, one more of each for cells; 20 bytes a node, 4 a pixel, and 4 a cell.
 //! - **Source.** Lefohn, Sengupta, Owens 2007 ("Resolution-matched shadow maps"): all steps on the GPU. Marks in a tree take the place of
-//!   its sort of requests.
+//!   its sort of requests. Cells: Giegl, Wimmer 2007 ("Fitted virtual shadow maps"), whose low-resolution buffer of required
+//!   resolutions a CPU fills.
 
 use super::{PrefixScan, PrimaryHits, SummedArea, holds};
 use crate::frame::Frame;
@@ -61,6 +64,16 @@ impl PageTree {
         (corner[1] + y) as usize * self.grid()[0] + (corner[0] + x) as usize
     }
 
+    /// The level whose pages are the cells of [`PageRule::Fitted`].
+    pub fn cell_level(self) -> u32 {
+        self.last.min(kernel::MOST_CELLS)
+    }
+
+    /// Cells of the view.
+    pub fn cells(self) -> usize {
+        1 << (2 * self.cell_level())
+    }
+
     /// Pages that take as many texels as a map of `size` a side, as far as one binding holds them.
     pub fn pages_of_map(size: u32) -> u32 {
         size.div_ceil(Self::PAGE).pow(2).min(Self::MOST_PAGES)
@@ -72,7 +85,7 @@ impl PageTree {
 pub struct PageNodes {
     /// The tree.
     pub tree: PageTree,
-    /// Pages asked for by how much coarser all are, then bits of every node: see the kernel.
+    /// Pages asked for by how much coarser all are, then bits of every node, then a word a cell: see the kernel.
     pub requests: Buffer<u32>,
     /// The level that each pixel asks for, in thirds, which round up.
     pub levels: Buffer<u32>,
@@ -100,7 +113,11 @@ impl PageNodes {
         let ([width, height], nodes) = (tree.grid(), tree.nodes());
         Ok(Self {
             tree,
-            requests: Buffer::storage(device, "page_requests.requests", kernel::REQUEST_HEAD as usize + nodes)?,
+            requests: Buffer::storage(
+                device,
+                "page_requests.requests",
+                kernel::REQUEST_HEAD as usize + nodes + tree.cells(),
+            )?,
             levels: Buffer::storage(device, "page_requests.levels", pixels)?,
             flags: Buffer::storage(device, "page_requests.flags", nodes)?,
             masks: Buffer::storage(device, "page_requests.masks", nodes)?,
@@ -131,12 +148,26 @@ pub struct PageRequestsOptions {
     pub budget: u32,
     /// Levels beyond that whose texels are no longer than a pixel.
     pub finer: u32,
+    /// What is asked for.
+    pub rule: PageRule,
+}
+
+/// Rule by which pages are asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PageRule {
+    /// Those that a pixel's samples touch, at the level that matches it: resolution-matched shadow maps (Lefohn, Sengupta, Owens 2007).
+    #[default]
+    Matched,
+    /// All of a cell of the view, at the finest level that a pixel in it asks for: fitted virtual shadow maps (Giegl, Wimmer 2007).
+    Fitted,
 }
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct PageRequests {
     request: kernel::RequestProgram,
+    /// Pages of cells, and the levels of their pixels.
+    cells: Option<(kernel::SpreadProgram, kernel::FitProgram)>,
     choose: kernel::ChooseProgram,
     scan: PrefixScan,
     summed_area: SummedArea,
@@ -148,14 +179,24 @@ impl PageRequests {
     /// # Errors
     /// [`Error::Config`] for a budget that no memory holds.
     pub fn new(device: &wgpu::Device, options: PageRequestsOptions) -> Result<Self> {
-        let PageRequestsOptions { tree, budget, finer } = options;
+        let PageRequestsOptions { tree, budget, finer, rule } = options;
+        let fitted = rule == PageRule::Fitted;
         let most = PageTree::MOST_PAGES;
         if !(1..=most).contains(&budget) {
             return Err(Error::Config(format!("page_requests: {budget} pages; 1 to {most} are possible")));
         }
-        let constants = kernel::Constants { paraboloids: 0, finer, budget, page_base: tree.base, page_last: tree.last };
+        let constants = kernel::Constants {
+            paraboloids: 0,
+            finer,
+            fitted: fitted.into(),
+            budget,
+            page_base: tree.base,
+            page_last: tree.last,
+        };
+        let cells = || (kernel::SpreadProgram::new(device, constants), kernel::FitProgram::new(device, constants));
         Ok(Self {
             request: kernel::RequestProgram::new(device, constants),
+            cells: fitted.then(cells),
             choose: kernel::ChooseProgram::new(device, constants),
             scan: PrefixScan::new(device),
             summed_area: SummedArea::new(device, Texels::Words),
@@ -182,7 +223,12 @@ impl PageRequests {
             requests: nodes.requests.as_write(),
             levels: nodes.levels.as_write(),
         };
-        stage.run(&self.request, bindings, Groups::Items(seen.id_keys.len() as u64));
+        let pixels = Groups::Items(seen.id_keys.len() as u64);
+        stage.run(&self.request, bindings, pixels);
+        if let Some((spread, fit)) = &self.cells {
+            stage.run(spread, bindings, Groups::Items(nodes.tree.nodes() as u64));
+            stage.run(fit, bindings, pixels);
+        }
         Ok(())
     }
 

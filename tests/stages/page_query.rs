@@ -13,6 +13,7 @@ use oracle::reference::page_requests::level;
 use std::collections::BTreeMap;
 use subpixel_shadows::glam::{DVec2, DVec3};
 use subpixel_shadows::scene::{Light, Mesh};
+use subpixel_shadows::stages::page_requests::PageRule;
 use test_support::gpu_test;
 
 /// Where the stage departs from its definition; how many pixels were compared and how many of them closely.
@@ -85,6 +86,9 @@ fn random_seeded() {
             let light = random_light(k % 2 == 0, &mut random);
             let world = world(gpu(), &mesh, light, [40, 30], [64, 150][k / 2], [1, 32, 8, 128][k]);
             check(&world, budget, k as u32 / 2);
+            let fitted = Paged::by(PageRule::Fitted, &world, budget, k as u32 / 2);
+            let compared = fault(&world, &fitted).unwrap_or_else(|text| panic!("by cells, budget {budget}: {text}"));
+            assert!(compared[1] * 2 + 9 >= compared[0], "by cells: {compared:?}");
         }
     }
 }

@@ -7,13 +7,14 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{faces_away, on_plane};
 use crate::support::{POISON, Random, gpu, sizes_around};
-use oracle::reference::page_requests::{chosen, level, levels_around, thirds};
+use oracle::reference::page_requests::{Asked, cells, chosen, level, levels_around, of_cells, thirds};
 use oracle::reference::prefix_scan::exclusive;
 use oracle::reference::summed_area::table;
+use std::collections::BTreeSet;
 use subpixel_shadows::frame::sample_box;
 use subpixel_shadows::glam::DVec2;
 use subpixel_shadows::scene::{Light, Mesh};
-use subpixel_shadows::stages::page_requests::PageTree;
+use subpixel_shadows::stages::page_requests::{PageRule, PageTree};
 use test_support::gpu_test;
 
 /// Longer step and box of a pixel, texels of the map; `None` where a corner of its box is not seen, or it is too steep to tell.
@@ -111,27 +112,83 @@ fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
     if let Some(k) = reached.iter().position(|&reached| !reached && !endless) {
         return Err(format!("{:?} is asked for by no pixel", asked[k]));
     }
-    let wanted = chosen(&asked, ran.tree.last, ran.budget as usize);
+    choice_fault(ran, &asked).map_or(Ok(sure), Err)
+}
+
+/// Where the pages that are made are not those of the ones that are asked for.
+fn choice_fault(ran: &Paged, asked: &[Asked]) -> Option<String> {
+    let wanted = chosen(asked, ran.tree.last, ran.budget as usize);
     let made: Vec<_> = ran.made().into_keys().collect();
     if made != wanted.pages.iter().copied().collect::<Vec<_>>() {
-        return Err(format!("{made:?} are made, {wanted:?}"));
+        return Some(format!("{made:?} are made, {wanted:?}"));
     }
     let counts = [wanted.pages.len() as u32, wanted.coarser, wanted.asked as u32];
     if ran.counts != counts || made.len() > ran.budget as usize {
-        return Err(format!("counts {:?}, {counts:?} expected, {} pages of budget", ran.counts, ran.budget));
+        return Some(format!("counts {:?}, {counts:?} expected, {} pages of budget", ran.counts, ran.budget));
     }
     let mut masks = vec![0; ran.tree.nodes()];
     for page in ran.all() {
         masks[ran.tree.node(page.0, page.1)] = levels_around(&wanted.pages, page);
     }
     if ran.masks != masks {
-        return Err("levels around nodes".to_owned());
+        return Some("levels around nodes".to_owned());
     }
     let nodes = ran.tree.nodes();
-    if ran.table[..nodes] != exclusive(&ran.flags).sums || ran.sat != table(&ran.flags, ran.tree.grid()[0]) {
-        return Err("the tables do not count the pages".to_owned());
+    let counted = ran.table[..nodes] == exclusive(&ran.flags).sums && ran.sat == table(&ran.flags, ran.tree.grid()[0]);
+    (!counted).then(|| "the tables do not count the pages".to_owned())
+}
+
+/// Where pages by cells depart from their definition, by the levels of those by pixels, which are checked by themselves; how many cells are asked for.
+fn fault_of_cells(world: &World, by_pixel: &Paged, ran: &Paged) -> Result<usize, String> {
+    let (tree, side) = (ran.tree, 1u32 << ran.tree.cell_level());
+    let scale = f64::from(tree.cell_level() as i32 - tree.base as i32).exp2();
+    let (size, page) = (f64::from(world.view.map.map_size), f64::from(PageTree::PAGE));
+    let end = DVec2::splat((size * scale).ceil() - 1.0);
+    // Cells that the box of a pixel touches at the least and at the most; none if it may see nothing or asks for nothing.
+    let touched = |pixel: usize, grow: f64| {
+        let [low, high] = footprint(world, pixel as u32, ran.seen[pixel]?)?.1;
+        let beside =
+            (high + grow / scale).cmplt(DVec2::ZERO).any() || (low - grow / scale).cmpge(DVec2::splat(size)).any();
+        let at = |p: DVec2| (p.clamp(DVec2::ZERO, end) / page).floor().as_uvec2().to_array();
+        (!beside).then(|| [at(low * scale - grow), at(high * scale + grow)])
+    };
+    let dark = |pixel: usize| ran.seen[pixel].and_then(|t| faces_away(world, t));
+    let (mut least, mut most) = (Vec::new(), Vec::new());
+    for pixel in (0..ran.seen.len()).filter(|&pixel| ran.seen[pixel].is_some() && dark(pixel) != Some(true)) {
+        let thirds = by_pixel.levels[pixel];
+        if dark(pixel) == Some(false) {
+            least.extend(touched(pixel, 0.25).map(|cells| (thirds, cells)));
+        }
+        // One whose box has no end may ask anywhere.
+        let anywhere = footprint(world, pixel as u32, ran.seen[pixel].unwrap_or(0)).is_none();
+        most.extend(touched(pixel, 1.0).or(anywhere.then_some([[0; 2], [side - 1; 2]])).map(|cells| (thirds, cells)));
     }
-    Ok(sure)
+    let found = ran.cells();
+    for (k, ((found, least), most)) in found.iter().zip(cells(least, side)).zip(cells(most, side)).enumerate() {
+        if !(least..=most).contains(found) {
+            return Err(format!("cell {k} has {found:?}, {least:?} to {most:?} expected"));
+        }
+    }
+    let asked = ran.asked();
+    let wanted = of_cells(&found, tree.cell_level(), tree.base, world.view.map.map_size, PageTree::PAGE);
+    if asked.iter().copied().collect::<BTreeSet<_>>() != wanted {
+        return Err(format!("{asked:?} are asked for, {wanted:?} expected"));
+    }
+    for pixel in (0..ran.seen.len()).filter(|&pixel| dark(pixel) == Some(false)) {
+        let Some((least, most)) = touched(pixel, 0.25).zip(touched(pixel, 1.0)) else { continue };
+        let finest = |[first, last]: [[u32; 2]; 2]| {
+            let row = |y: u32| (first[0]..=last[0]).map(move |x| (y * side + x) as usize);
+            (first[1]..=last[1]).flat_map(row).filter_map(|cell| found[cell]).max().unwrap_or(0)
+        };
+        let (level, range) = (ran.levels[pixel], finest(least)..=finest(most));
+        if !range.contains(&level) {
+            return Err(format!("pixel {pixel} asks its cells for level {level}, {range:?} expected"));
+        }
+    }
+    if let Some(text) = choice_fault(ran, &asked) {
+        return Err(text);
+    }
+    Ok(found.iter().flatten().count())
 }
 
 #[track_caller]
@@ -211,6 +268,44 @@ fn two_d_dispatch() {
     assert!(a.requests == b.requests && a.table == b.table && a.levels == b.levels, "the fold changes the result");
 }
 
+/// Pages by cells of the view, with room for them and without, of maps that fill their pages and that do not.
+#[gpu_test]
+fn cells_are_as_fine_as_their_pixels() {
+    let mut random = Random::new(83);
+    let mut whole = 0;
+    for (k, map) in [64, 150, 1000, 24].into_iter().enumerate() {
+        for (kind, budget) in [(0, 4000), (1, 60), (2, 9), (3, 1000)] {
+            let mesh = random_scene(kind, &mut random);
+            let world = world(gpu(), &mesh, random_light(k % 2 == 0, &mut random), [60, 40], map, [1, 32, 8, 128][k]);
+            let by_pixel = Paged::new(&world, budget, 4);
+            let ran = Paged::by(PageRule::Fitted, &world, budget, 4);
+            let cells =
+                fault_of_cells(&world, &by_pixel, &ran).unwrap_or_else(|e| panic!("map {map}, kind {kind}: {e}"));
+            assert!(cells > 0);
+            whole += usize::from(ran.counts[2] > by_pixel.counts[2]);
+        }
+    }
+    assert!(whole > 4, "{whole}");
+    let world = world(gpu(), &random_scene(1, &mut Random::new(89)), above(), [96, 72], 100, 8);
+    let (by_pixel, ran) = (Paged::new(&world, 500, 4), Paged::by(PageRule::Fitted, &world, 500, 4));
+    let spoilt = |spoil: &dyn Fn(&mut Paged)| {
+        let mut off = Paged::by(PageRule::Fitted, &world, 500, 4);
+        assert!(off.requests == ran.requests && off.levels == ran.levels, "another result in a second run");
+        spoil(&mut off);
+        fault_of_cells(&world, &by_pixel, &off).is_err()
+    };
+    let (all, asked) = (ran.requests.len() - ran.tree.cells(), ran.asked());
+    let cell = ran.cells().iter().position(Option::is_some).expect("a cell");
+    let bare = ran.cells().iter().position(Option::is_none).expect("a cell that no pixel sees");
+    let pixel = ran.levels.iter().position(|&level| level > 6).expect("a pixel");
+    assert!(!spoilt(&|_| ()));
+    assert!(spoilt(&|r| r.requests[all + cell] += 6));
+    assert!(spoilt(&|r| r.requests[all + bare] = 1));
+    assert!(spoilt(&|r| r.requests[ran.word(asked[1].0)] &= !(4 >> asked[1].1)));
+    assert!(spoilt(&|r| r.levels[pixel] -= 6));
+    assert!(spoilt(&|r| r.counts[0] += 1));
+}
+
 #[gpu_test]
 fn detects_corruption() {
     let mesh = random_scene(1, &mut Random::new(71));
@@ -223,13 +318,12 @@ fn detects_corruption() {
         spoil(&mut off);
         fault(&world, &off).is_err()
     };
-    let head = ran.requests.len() - ran.tree.nodes();
     let node = |page: (u32, [u32; 2])| ran.tree.node(page.0, page.1);
-    let bits = |p: (u32, [u32; 2])| ran.requests[head + node(p)];
+    let bits = |p: (u32, [u32; 2])| ran.requests[ran.word(p)];
     let (marked, more) = ran.asked()[1];
     let bare = ran.all().find(|&p| p.0 > 0 && bits(p) & 7 == 0).expect("a page");
-    assert!(spoilt(&|r| r.requests[head + node(marked)] &= !(4 >> more)));
-    assert!(spoilt(&|r| r.requests[head + node(bare)] |= 1));
+    assert!(spoilt(&|r| r.requests[ran.word(marked)] &= !(4 >> more)));
+    assert!(spoilt(&|r| r.requests[ran.word(bare)] |= 1));
     let open = ran.levels.iter().position(|&level| level > 6).expect("a pixel");
     assert!(spoilt(&|r| r.levels[open] -= 4));
     let made = *ran.made().keys().last().expect("a page");

@@ -212,7 +212,7 @@ fn blur(method: MethodName) -> f32 {
 fn other_methods_take_a_cube() {
     let mut exact = 0;
     for (name, scene) in scenes() {
-        let pages = PageSettings { pages: Some(16384), finer: 3 };
+        let pages = PageSettings { pages: Some(16384), finer: 3, ..PageSettings::default() };
         let settings = Settings { map: 512, pages, ..settings(FacetMode::One, 8) };
         let want = visibility(&scene, MethodName::FacetMasks, &settings).expect("a frame");
         let coarse = Settings { map: 64, ..settings.clone() };
@@ -259,7 +259,7 @@ fn other_methods_take_a_cube() {
 fn other_methods_take_slices() {
     let mut near = builtin("windmill").expect("a built-in scene");
     near.camera = Camera { eye: [0.9, 0.35, 1.6], target: [0.2, 0.2, 0.4], near: 0.01, ..near.camera };
-    let pages = PageSettings { pages: Some(16384), finer: 3 };
+    let pages = PageSettings { pages: Some(16384), finer: 3, ..PageSettings::default() };
     let settings = Settings { map: 96, pages, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
     use PartBy::{Depth, FrustumFaces as Faces, ReceiverClusters as Clusters, SeenDepth as Seen};

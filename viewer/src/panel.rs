@@ -201,6 +201,7 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         changed |= slider(ui, half, "pages", &mut pages, 0..=4096);
         options.pages = Some(pages).filter(|pages| *pages > 0);
         changed |= slider(ui, half, "finer", &mut options.finer, 0..=4);
+        changed |= words(ui, half, "page-rule", &mut options.page_rule);
     }
     if takes("density") {
         changed |= words(ui, half, "density", &mut options.density);

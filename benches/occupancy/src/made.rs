@@ -11,7 +11,7 @@ use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::facet_masks::Pipelines;
 use subpixel_shadows::methods::names::TexelQuery;
 use subpixel_shadows::methods::{
-    DeepSettings, DensityRule, DiscFilter, FacetMode, MethodName, MomentSettings, PairVariant, PixelFilter,
+    DeepSettings, DensityRule, DiscFilter, FacetMode, MethodName, MomentSettings, PageRule, PairVariant, PixelFilter,
     ProjectionVariant, Settings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::pass::{Casters, PassConfig, ShadowPass};
@@ -80,6 +80,7 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("layers", &[&|s| s.moments.layers = 7]);
     vary("terms", &[&|s| s.moments.terms = 5]);
     vary("finer", &[&|s| s.pages.finer = 2]);
+    vary("page-rule", &[&|s| s.pages.rule = PageRule::Fitted]);
     vary("density", &[&|s| s.axes.density = DensityRule::Logarithmic]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);
     all.push(Settings { count_pixels: true, ..plain.clone() });

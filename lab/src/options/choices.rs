@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use subpixel_shadows::light_view::{OmniMaps, PartBy};
-use subpixel_shadows::methods::{DensityRule, FacetMode};
+use subpixel_shadows::methods::{DensityRule, FacetMode, PageRule};
 use subpixel_shadows::pixel_filter::PixelFilter;
 use subpixel_shadows::samples::Pattern;
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -60,6 +60,25 @@ impl From<Compare> for Option<DepthRule> {
             Compare::Midpoint => Some(DepthRule::Midpoint),
             Compare::Second => Some(DepthRule::Second),
             Compare::Dual => Some(DepthRule::DUAL),
+        }
+    }
+}
+
+/// Rule by which pages of `resolution-matched` are asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PagesBy {
+    /// Those that a pixel's samples touch, as fine as it is
+    #[default]
+    Matched,
+    /// All of a cell of the view, as fine as the finest that is asked for in it
+    Fitted,
+}
+
+impl From<PagesBy> for PageRule {
+    fn from(name: PagesBy) -> Self {
+        match name {
+            PagesBy::Matched => Self::Matched,
+            PagesBy::Fitted => Self::Fitted,
         }
     }
 }

@@ -4,8 +4,8 @@ mod choices;
 mod recorded;
 
 pub use choices::{
-    Compare, DensityBy, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, OmniBy, PairsBy, PartitionBy,
-    PatternName, Projection, RayChoice, Search, Shape, Switch, WarpBy,
+    Compare, DensityBy, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, OmniBy, PagesBy, PairsBy,
+    PartitionBy, PatternName, Projection, RayChoice, Search, Shape, Switch, WarpBy,
 };
 pub use recorded::{camera_text, light_text, reason};
 
@@ -171,6 +171,9 @@ pub struct RenderOptions {
     /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub finer: u32,
+    /// Rule by which pages of resolution-matched are asked for: by pixels, or by cells of the view (fitted virtual shadow maps)
+    #[arg(long, value_enum, default_value_t, value_name = "BY")]
+    pub page_rule: PagesBy,
     /// Rule for the width of texels along either axis of rectilinear: the pixels that want the most of an axis, or its distance from the eye
     #[arg(long, value_enum, default_value_t, value_name = "BY")]
     pub density: DensityBy,
@@ -329,7 +332,7 @@ impl RenderOptions {
                 layers: self.layers,
                 terms: self.terms,
             },
-            pages: PageSettings { pages: self.pages, finer: self.finer },
+            pages: PageSettings { pages: self.pages, finer: self.finer, rule: self.page_rule.into() },
             axes: AxisSettings { density: self.density.into(), stretch: self.stretch },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             history: self.history(),

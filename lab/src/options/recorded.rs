@@ -79,6 +79,7 @@ impl RenderOptions {
             ("confidence-power", json!(o.confidence_power)),
             ("pages", json!(o.pages)),
             ("finer", json!(o.finer)),
+            ("page-rule", word(o.page_rule)),
             ("density", word(o.density)),
             ("stretch", json!(o.stretch)),
         ];

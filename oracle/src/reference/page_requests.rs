@@ -26,6 +26,41 @@ pub fn level(thirds: u32) -> u32 {
 /// A page that is asked for, and by how many thirds its level is finer than its pixels'.
 pub type Asked = (TreePage, u32);
 
+/// The finest level, in thirds, that is asked for of each cell, by rows of `side`, of what pixels ask of the cells that they touch: their level,
+/// and the first and the last of them along either axis.
+pub fn cells(pixels: impl IntoIterator<Item = (u32, [[u32; 2]; 2])>, side: u32) -> Vec<Option<u32>> {
+    let mut cells = vec![None; (side * side) as usize];
+    for (thirds, [first, last]) in pixels {
+        for y in first[1]..=last[1] {
+            for x in first[0]..=last[0] {
+                let cell: &mut Option<u32> = &mut cells[(y * side + x) as usize];
+                *cell = (*cell).max(Some(thirds));
+            }
+        }
+    }
+    cells
+}
+
+/// All pages of cells, which are the pages of level `of`, at their levels; of a map of `map` texels a side, whose level is `base`.
+pub fn of_cells(cells: &[Option<u32>], of: u32, base: u32, map: u32, page: u32) -> BTreeSet<Asked> {
+    let mut asked = BTreeSet::new();
+    for (k, thirds) in (0..).zip(cells) {
+        let Some(thirds) = *thirds else { continue };
+        let (cell, at) = ([k & ((1 << of) - 1), k >> of], level(thirds));
+        let pages: Vec<[u32; 2]> = match at.checked_sub(of) {
+            None => vec![cell.map(|c| c >> (of - at))],
+            Some(finer) => {
+                let within = |k: u32| (cell[0] << finer | k & ((1 << finer) - 1), cell[1] << finer | k >> finer);
+                (0..1 << (2 * finer)).map(within).map(<[u32; 2]>::from).collect()
+            }
+        };
+        let side = f64::from(map) * f64::from(at as i32 - base as i32).exp2();
+        let there = |place: &[u32; 2]| place.iter().all(|&x| f64::from(x * page) < side);
+        asked.extend(pages.into_iter().filter(there).map(|place| ((at, place), THIRDS * at - thirds)));
+    }
+    asked
+}
+
 /// Pages that are made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chosen {
@@ -72,6 +107,20 @@ mod tests {
         assert_eq!(thirds(1.0, 0.5, 20, 2, [3, 8]), 15);
         assert_eq!(thirds(0.001, 0.5, 1, 0, [3, 8]), 12, "what single precision tells");
         assert_eq!(thirds(0.001, 16.5, 20, 0, [3, 8]), 9, "a long box");
+    }
+
+    #[test]
+    fn cells_ask_for_all_of_their_pages() {
+        let of = cells([(3, [[0, 0], [1, 0]]), (8, [[1, 0], [1, 0]]), (2, [[1, 1], [1, 1]])], 2);
+        assert_eq!(of, [Some(3), Some(8), None, Some(2)]);
+        let asked = |map: u32| of_cells(&of, 1, 1, map, 32).into_iter().collect::<Vec<_>>();
+        let all: Vec<_> = (4..8).flat_map(|x| (0..4).map(move |y| ((3, [x, y]), 1))).collect();
+        assert_eq!(asked(64), [vec![((1, [0, 0]), 0), ((1, [1, 1]), 1)], all.clone()].concat());
+        // The map ends in the second cell.
+        let some: Vec<_> = all.into_iter().filter(|((_, [x, _]), _)| *x < 6).collect();
+        assert_eq!(asked(48), [vec![((1, [0, 0]), 0), ((1, [1, 1]), 1)], some].concat());
+        assert_eq!(of_cells(&[Some(0)], 0, 1, 64, 32).into_iter().collect::<Vec<_>>(), [((0, [0, 0]), 0)]);
+        assert_eq!(of_cells(&of, 1, 1, 64, 32).len(), 18);
     }
 
     #[test]

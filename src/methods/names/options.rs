@@ -1,7 +1,7 @@
 //! Options that rows name.
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 44] = [
+pub const METHOD_OPTIONS: [&str; 45] = [
     "facets",
     "validity",
     "masks",
@@ -43,6 +43,7 @@ pub const METHOD_OPTIONS: [&str; 44] = [
     "confidence-power",
     "pages",
     "finer",
+    "page-rule",
     "density",
     "stretch",
     "looks",

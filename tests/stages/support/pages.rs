@@ -10,7 +10,7 @@ use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::page_casters::{PageCasters, PageTexels};
 use subpixel_shadows::stages::page_query::PageQuery;
-use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageTree};
+use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageRule, PageTree};
 
 /// Constant and slope of the bias.
 pub const BIAS: [f32; 2] = [5e-5, 1.05];
@@ -39,12 +39,17 @@ pub struct Paged {
 }
 
 impl Paged {
-    /// Runs the stages on a world.
+    /// Runs the stages on a world; pages are asked for by pixels.
     pub fn new(world: &World, budget: u32, finer: u32) -> Self {
+        Self::by(PageRule::Matched, world, budget, finer)
+    }
+
+    /// The same by a rule.
+    pub fn by(rule: PageRule, world: &World, budget: u32, finer: u32) -> Self {
         let gpu = world.gpu;
         let (device, queue) = (&gpu.device, &gpu.queue);
         let tree = PageTree::new(world.view.map.map_size);
-        let stage = PageRequests::new(device, PageRequestsOptions { tree, budget, finer }).expect("a budget");
+        let stage = PageRequests::new(device, PageRequestsOptions { tree, budget, finer, rule }).expect("a budget");
         let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
         let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
         let id_keys = Buffer::from_slice(device, queue, "test.ids", &keys).expect("memory");
@@ -92,10 +97,20 @@ impl Paged {
         (0..=self.tree.last).flat_map(places)
     }
 
+    /// The finest level, in thirds, that is asked for of each cell.
+    pub fn cells(&self) -> Vec<Option<u32>> {
+        let words = &self.requests[self.requests.len() - self.tree.cells()..];
+        words.iter().map(|word| word.checked_sub(1)).collect()
+    }
+
+    /// The word of a page's bits.
+    pub fn word(&self, (level, page): TreePage) -> usize {
+        self.requests.len() - self.tree.cells() - self.tree.nodes() + self.tree.node(level, page)
+    }
+
     /// The pages that pixels ask for.
     pub fn asked(&self) -> Vec<Asked> {
-        let head = self.requests.len() - self.tree.nodes();
-        let bits = |(level, page): TreePage| self.requests[head + self.tree.node(level, page)];
+        let bits = |page: TreePage| self.requests[self.word(page)];
         self.all()
             .flat_map(|p| (0..3).filter(move |more| bits(p) >> (2 - more) & 1 == 1).map(move |more| (p, more)))
             .collect()

@@ -6,8 +6,8 @@ use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::mask_table::MaskVariant;
 use subpixel_shadows::methods::{
     AxisSettings, DeepSettings, DensityRule, DiscFilter, FacetMode, HistorySettings, MethodName, MomentSettings,
-    PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings, ReconstructableSettings,
-    Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
+    PageRule, PageSettings, PairVariant, PolygonIdSettings, ProjectionVariant, RayTracedSettings,
+    ReconstructableSettings, Settings, ShadowMapSettings, SmsrSettings, SmsrShape, SpsmEncoding, SpsmSettings,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::stages::compared_depths::DepthRule;
@@ -209,6 +209,8 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                     add(&format!("finer={finer}"), Settings { pages, ..settings.clone() });
                 }
             }
+            let pages = PageSettings { rule: PageRule::Fitted, ..settings.pages };
+            add("rule=fitted", Settings { pages, ..settings.clone() });
         }
         MethodName::Rectilinear => {
             for (name, density) in [("requested", DensityRule::Requested), ("logarithmic", DensityRule::Logarithmic)] {
