@@ -30,8 +30,8 @@ pub struct Level {
     pub shown: Option<Moment>,
     /// Halves that have such a frame, from the left.
     pub halves_shown: usize,
-    /// The last moment that halves were drawn of while others were still made.
-    in_part: Option<Moment>,
+    /// The last moment that halves were drawn of while others were still made, and how many from the left.
+    in_part: Option<(Moment, usize)>,
     /// The last moment that was tried: one that failed is not tried again.
     tried: Option<Moment>,
     /// Frames of it that ran.
@@ -90,6 +90,11 @@ impl Level {
         self.shown == Some(*moment) && self.ran >= self.frames() && (traced || self.halves.len() > 1)
     }
 
+    /// Halves from the left that were drawn of this moment while others were still made.
+    fn drawn_in_part(&self, moment: &Moment) -> usize {
+        self.in_part.filter(|(of, _)| of == moment).map_or(0, |(_, halves)| halves)
+    }
+
     /// Frames of one moment that make the picture of both halves.
     fn frames(&self) -> u32 {
         self.halves.iter().map(|half| half.frames).max().unwrap_or(1)
@@ -102,7 +107,7 @@ impl Level {
         let tried = match refused {
             Some(0) => true,
             // The left half is shown alone.
-            Some(_) => self.in_part == Some(*moment),
+            Some(_) => self.drawn_in_part(moment) > 0,
             None => self.tried == Some(*moment),
         };
         failed && !self.is_busy() && tried
@@ -153,7 +158,7 @@ impl Level {
             }
             self.running = None;
             if running < all {
-                self.in_part = Some(moment);
+                self.in_part = Some((moment, running));
             } else {
                 self.ran = if self.tried == Some(moment) { self.ran + 1 } else { 1 };
                 self.tried = Some(moment);
@@ -173,14 +178,14 @@ impl Level {
         let ran = if self.tried == Some(*wanted) { self.ran } else { 0 };
         let begins = match made {
             0 => false,
-            made if made < all => self.in_part != Some(*wanted),
+            made if made < all => self.drawn_in_part(wanted) == 0,
             _ => ran == 0 || ran < self.frames() && !failed,
         };
         if begins {
-            // Halves that show this moment already are not drawn again.
-            let there = if self.in_part == Some(*wanted) { self.halves_shown } else { 0 };
+            // Halves that were drawn in part have one frame of this moment.
+            let there = if made == all { self.drawn_in_part(wanted) } else { 0 };
             for (k, half) in self.halves[..made].iter_mut().enumerate() {
-                if ran < half.frames && (k >= there || half.frames > 1) {
+                if ran + u32::from(k < there) < half.frames {
                     half.begin(gpu, &wanted.camera, &wanted.light);
                 }
             }

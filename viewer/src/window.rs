@@ -1,6 +1,7 @@
 //! The window, and its command line.
 
 use clap::Parser;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex};
@@ -20,6 +21,9 @@ struct Arguments {
     /// Write the window to this PNG file when its picture is complete, and end
     #[arg(long, value_name = "FILE")]
     screenshot: Option<String>,
+    /// Folder of the screenshots that are taken by hand [default: where the program runs]
+    #[arg(long, value_name = "DIR")]
+    screenshots: Option<PathBuf>,
 }
 
 /// A window that ends when the GPU is lost.
@@ -93,6 +97,10 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
     let (scene, note) = view.left.open(view.scene.as_deref())?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
     let opened = Opened::new(scene, note)?;
+    if arguments.window.iter().any(|side| !(1..=16384).contains(side)) {
+        let [width, height] = arguments.window;
+        return Err(Error::Config(format!("a window of {width} x {height} points; 1 to 16384 a side are possible")));
+    }
     let [width, height] = arguments.window.map(|side| side as f32);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -112,7 +120,8 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
         options,
         Box::new(move |created| {
             let render = created.wgpu_render_state.as_ref().ok_or("no device")?;
-            let viewer = Viewer::new(&created.egui_ctx, render, view, opened)?;
+            let mut viewer = Viewer::new(&created.egui_ctx, render, view, opened)?;
+            viewer.keep_screenshots_in(arguments.screenshots.unwrap_or_default());
             Ok(match file {
                 Some(file) => Box::new(Once { viewer, file, asked: false, outcome: told }),
                 None => Box::new(Lasting { viewer, lost: of_window }),

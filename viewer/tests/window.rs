@@ -6,6 +6,7 @@ use common::{WIDE, Window, key};
 use egui::{Event, Key, PointerButton};
 use lab::scene::Light;
 use oracle::truth::{SceneTruth, Tracer};
+use std::sync::Arc;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{MethodName, Settings};
 use subpixel_shadows::render::{Budget, Renderer};
@@ -389,6 +390,55 @@ fn windows_of_any_size() {
     assert_eq!(window.viewer.complaint(), None);
 }
 
+/// A window that nobody touches draws itself until its picture has its size and the panel tells of all that was computed, and then no more.
+#[gpu_test]
+fn a_window_comes_to_rest_by_itself() {
+    let mut window = Window::new("plane --samples 1 --map 64 --against '--method pcf --samples 1 --map 64'");
+    window.frame(vec![key(Key::H, true), key(Key::H, false)]);
+    for size in [[900.0, 4000.0], [700.0, 3600.0], [900.0, 3000.0]] {
+        window.resize(size);
+        window.frame(Vec::new());
+        assert!(!window.viewer.is_settled(), "{size:?}");
+        window.rest();
+        assert!(window.viewer.is_settled() && window.viewer.complaint().is_none(), "{size:?}");
+        let image = window.viewer.image().size();
+        assert_eq!(window.picture(), [image.x, image.y].map(|side| side.round() as u32), "{size:?}");
+        // Of both halves.
+        let told = window.texts.iter().filter(|text| text.contains("ms on the GPU")).count();
+        assert_eq!(told, 2, "{size:?}: {:?}", window.texts);
+    }
+}
+
+/// A screenshot is told of when it is written, and where it cannot be; no earlier one is lost.
+#[gpu_test]
+fn a_message_of_the_screenshot_is_true() {
+    let mut window = Window::new("plane --samples 1 --map 64 --against '--method pcf --samples 1 --map 64'");
+    window.settle();
+    let folder = Folder::new("screenshots");
+    window.viewer.keep_screenshots_in(folder.path(""));
+    std::fs::write(folder.path("shadows-2.png"), "an earlier one").unwrap();
+    let image = Arc::new(egui::ColorImage::filled([WIDE as usize, 400], egui::Color32::from_rgb(1, 2, 3)));
+    let taken = |window: &mut Window| {
+        window.frame(vec![key(Key::P, true), key(Key::P, false)]);
+        assert_eq!(window.viewer.complaint(), None, "nothing is written yet, and the picture has no message on it");
+        let shot = window.shots.pop().expect("it asks for a picture");
+        shot.complete(image.clone());
+        window.frame(Vec::new());
+        window.viewer.complaint().expect("a message")
+    };
+    for number in [1, 3] {
+        let told = taken(&mut window);
+        let path = folder.path(&format!("shadows-{number}.png"));
+        assert_eq!(told, format!("wrote {path}"));
+        let [width, height] = window.picture();
+        assert_eq!(image::image_dimensions(&path).unwrap(), (width, height));
+    }
+    assert_eq!(std::fs::read_to_string(folder.path("shadows-2.png")).unwrap(), "an earlier one");
+    window.viewer.keep_screenshots_in(folder.path("shadows-2.png"));
+    let told = taken(&mut window);
+    assert!(told.contains("shadows-2.png") && !told.contains("wrote") && !told.contains('\n'), "{told}");
+}
+
 /// A GPU that is gone is told of, and nothing panics; what was looked at can be opened again.
 #[gpu_test]
 fn a_lost_gpu_is_told_of() {
@@ -425,7 +475,7 @@ fn a_lost_gpu_is_told_of() {
 #[gpu_test]
 fn the_panel_is_used() {
     let mut window = Window::new("plane --samples 8 --map 64 --against '--method remix --samples 8 --map 64'");
-    window.resize([340.0, 1400.0]);
+    window.resize([620.0, 1400.0]);
     window.frame(vec![key(Key::H, true)]);
     window.frame(vec![key(Key::H, false)]);
     window.settle();

@@ -4,6 +4,7 @@ use super::{DRAWN, HISTORY, REST, SLOW, UPLOADED, Viewer};
 use crate::level::Level;
 use crate::picture::Shot;
 use crate::view::Against;
+use std::time::Duration;
 use subpixel_shadows::wgpu;
 
 impl Viewer {
@@ -28,6 +29,8 @@ impl Viewer {
             self.full = Some(full);
             self.rough = None;
             self.of_rough = false;
+        } else if grown {
+            self.context.request_repaint_after(Duration::from_secs_f64(REST));
         }
         if !self.upload.advance(UPLOADED) {
             self.context.request_repaint();
@@ -47,6 +50,8 @@ impl Viewer {
         };
         if new {
             self.of_rough = moves && self.rough.is_some();
+            // Times and memory were written before.
+            self.context.request_repaint();
             let seconds = if self.of_rough { &self.rough } else { &self.full }.as_ref().and_then(|level| level.seconds);
             self.history.extend(seconds);
             if self.history.len() > HISTORY {

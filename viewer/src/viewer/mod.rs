@@ -21,7 +21,8 @@ use egui_wgpu::RenderState;
 use lab::options::DEFAULT_SCENE;
 use lab::scene::{Base, Files, Light, Scene, SceneOptions};
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::methods::Prepared;
@@ -94,6 +95,10 @@ pub struct Viewer {
     path: String,
     image: Rect,
     shots: u32,
+    /// The folder of screenshots.
+    screenshots: PathBuf,
+    /// A message of something that ends beside the window.
+    told: Arc<Mutex<Option<String>>>,
     /// Files that were dropped on a page.
     files: Files,
     #[cfg(target_family = "wasm")]
@@ -161,6 +166,8 @@ impl Viewer {
             path: String::new(),
             image: Rect::NOTHING,
             shots: 0,
+            screenshots: PathBuf::new(),
+            told: Arc::default(),
             files: Files::default(),
             #[cfg(target_family = "wasm")]
             saved: 0,
@@ -171,7 +178,7 @@ impl Viewer {
     pub fn is_settled(&self) -> bool {
         let settled = |level: &Level| {
             let whole = level.is_of(&self.moment) && !level.is_busy() && !self.of_rough;
-            whole || level.has_failed(&self.moment)
+            level.picture.size == self.size_at.1 && (whole || level.has_failed(&self.moment))
         };
         if self.lost().is_some() {
             return true;
@@ -263,6 +270,11 @@ impl Viewer {
         self.moment.light = light;
     }
 
+    /// Writes screenshots into another folder than the one the program runs in.
+    pub fn keep_screenshots_in(&mut self, folder: impl Into<PathBuf>) {
+        self.screenshots = folder.into();
+    }
+
     /// Shows another quantity.
     pub fn set_overlay(&mut self, overlay: Overlay) {
         self.view.overlay = overlay;
@@ -333,15 +345,20 @@ impl Viewer {
         if let Some(error) = self.trouble.take_error() {
             self.message = Some(error);
         }
+        if let Some(told) = self.told.lock().ok().and_then(|mut told| told.take()) {
+            self.message = Some(told);
+        }
         self.take_opened();
         self.take_dropped(&context);
         if !context.egui_wants_keyboard_input() {
             self.take_keys(&context, now);
         }
-        // A phone shows the picture first.
-        let panel = *self.panel.get_or_insert_with(|| context.content_rect().width() >= NARROW);
-        if panel {
-            egui::Panel::left("options").default_size(250.0).show(ui, |ui| {
+        // A phone shows the picture first, and its options above it.
+        let [width, height] = context.content_rect().size().into();
+        let narrow = width < NARROW;
+        if *self.panel.get_or_insert(!narrow) {
+            let side = if narrow { egui::Panel::top("options above") } else { egui::Panel::left("options") };
+            side.default_size(if narrow { 0.45 * height } else { 250.0 }).show(ui, |ui| {
                 egui::ScrollArea::vertical().show(ui, |ui| self.options(ui));
             });
         }

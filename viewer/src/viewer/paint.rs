@@ -161,16 +161,26 @@ impl Viewer {
 
     /// Takes the picture, and writes it beside the program or offers it to be kept.
     pub(super) fn screenshot(&mut self, context: &egui::Context) {
-        self.shots += 1;
-        let (rect, number, scale) = (self.image, self.shots, context.pixels_per_point());
+        // Of no earlier one a file is lost.
+        let name = |number: u32| self.screenshots.join(format!("shadows-{number}.png")).display().to_string();
+        let taken = |number: u32| !cfg!(target_family = "wasm") && std::path::Path::new(&name(number)).exists();
+        let number = (self.shots + 1..).find(|&number| !taken(number)).unwrap_or(u32::MAX);
+        let (rect, name, scale) = (self.image, name(number), context.pixels_per_point());
+        self.shots = number;
+        let (told, wakes) = (self.told.clone(), context.clone());
+        // It is no picture of the message.
+        self.message = None;
         context.request_screenshot(move |image| {
-            let picture = image.region(&rect, Some(scale));
-            if let Err(error) = crate::save_png(&format!("shadows-{number}.png"), &picture) {
-                log::error!("{error}");
+            let saved = crate::save_png(&name, &image.region(&rect, Some(scale)));
+            let text = match saved {
+                Ok(()) if cfg!(target_family = "wasm") => return,
+                Ok(()) => format!("wrote {name}"),
+                Err(error) => error,
+            };
+            if let Ok(mut told) = told.lock() {
+                *told = Some(text);
             }
+            wakes.request_repaint();
         });
-        if !cfg!(target_family = "wasm") {
-            self.message = Some(format!("shadows-{number}.png"));
-        }
     }
 }

@@ -37,6 +37,10 @@ pub struct Window {
     start: Instant,
     /// Texts of the last frame.
     pub texts: Vec<String>,
+    /// Time after which the window asked for the next one.
+    asks: Duration,
+    /// Pictures of itself that it asked for.
+    pub shots: Vec<egui::ScreenshotCallback>,
 }
 
 fn texts_of(shape: &egui::Shape, texts: &mut Vec<String>) {
@@ -65,7 +69,16 @@ impl Window {
         let context = egui::Context::default();
         let viewer = Viewer::new(&context, &render, view, opened).expect("a viewer");
         let size = [WIDE as f32, 160.0];
-        let mut window = Self { context, render, viewer, size, start: Instant::now(), texts: Vec::new() };
+        let mut window = Self {
+            context,
+            render,
+            viewer,
+            size,
+            start: Instant::now(),
+            texts: Vec::new(),
+            asks: Duration::ZERO,
+            shots: Vec::new(),
+        };
         window.frame(vec![key(egui::Key::H, true), key(egui::Key::H, false)]);
         window
     }
@@ -98,6 +111,12 @@ impl Window {
         let mut output = self.context.run_ui(input, |ui| self.viewer.show(ui));
         // Nobody paints.
         output.textures_delta.clear();
+        self.asks = Duration::MAX;
+        for of in output.viewport_output.into_values() {
+            self.asks = self.asks.min(of.repaint_delay);
+            let shot = |command| if let egui::ViewportCommand::Screenshot(shot) = command { Some(shot) } else { None };
+            self.shots.extend(of.commands.into_iter().filter_map(shot));
+        }
         self.texts.clear();
         output.shapes.iter().for_each(|shape| texts_of(&shape.shape, &mut self.texts));
     }
@@ -123,6 +142,16 @@ impl Window {
         while !self.viewer.is_settled() {
             assert!(start.elapsed() < PATIENCE, "not settled: {:?}", self.viewer.complaint());
             std::thread::sleep(Duration::from_millis(5));
+            self.frame(Vec::new());
+        }
+    }
+
+    /// Frames that the window itself asks for, as a desktop or a browser draws them where nobody touches anything.
+    pub fn rest(&mut self) {
+        let start = Instant::now();
+        while self.asks < PATIENCE {
+            assert!(start.elapsed() < PATIENCE, "it asks for frames without end: {:?}", self.texts);
+            std::thread::sleep(self.asks);
             self.frame(Vec::new());
         }
     }

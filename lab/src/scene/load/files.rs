@@ -3,6 +3,7 @@
 use super::{MAX_FILE_BYTES, Parsed, inside, one_line};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use subpixel_shadows::{Error, Result};
@@ -32,7 +33,13 @@ impl Files {
         if let Some(bytes) = self.0.get(path) {
             return Ok(bytes[..].into());
         }
-        let fault = |e: std::io::Error| Error::file(path, one_line(&e.to_string()));
+        let fault = |e: std::io::Error| match e.kind() {
+            // A page has no disk.
+            ErrorKind::Unsupported => {
+                Error::file(path, "is not there: hand it over together with the file that names it")
+            }
+            _ => Error::file(path, one_line(&e.to_string())),
+        };
         let metadata = std::fs::metadata(path).map_err(fault)?;
         if !metadata.is_file() {
             return Err(Error::file(path, "is not a file"));
