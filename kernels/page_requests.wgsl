@@ -9,12 +9,14 @@
 // is made, `masks`, the levels of which a page is made that holds a node or lies in it, and behind the
 // offsets in `table` that s and the pages of s = 0.
 //
+// With EDGES (adaptive shadow maps: Fernando et al. 2001) a pixel whose box, grown by a texel of the map,
+// holds no texel that the table `sat` counts, of silhouettes, asks for no finer level than PAGE_BASE.
 // With FITTED (fitted virtual shadow maps: Giegl, Wimmer 2007) `request` marks no pages, but cells of the
 // view, which are the pages of one level: a word of each, behind the nodes, is one more than the finest
 // level in thirds that is asked for by a pixel whose box touches it. `spread` marks all pages of each cell
 // at its level, and `fit` writes to `levels` the finest level of the cells that a pixel touches.
 
-//@import frame dispatch receiver map_footprint page_tree divide
+//@import frame dispatch receiver map_footprint page_tree divide summed_area
 
 const WORKGROUP = 64u;
 const REQUEST_HEAD = 32u;
@@ -25,6 +27,7 @@ const SLACK = 0.5;             // texels: whoever reads places samples anew and 
 
 override FINER: u32 = 0u;
 override FITTED: u32 = 0u;
+override EDGES: u32 = 0u;
 override BUDGET: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -37,6 +40,7 @@ override BUDGET: u32 = 64u;
 @group(0) @binding(7) var<storage, read_write> flags: array<u32>;
 @group(0) @binding(8) var<storage, read_write> masks: array<u32>;
 @group(0) @binding(9) var<storage, read_write> table: array<u32>;
+@group(0) @binding(10) var<storage, read> sat: array<u32>;
 
 // Asks for a page that is `more` thirds finer than its pixel, and for those that hold it in its place. Who
 // asks first goes on to the next.
@@ -71,7 +75,6 @@ fn level_for(square: f32, extent: f32, w: f32) -> i32 {
 // The level whose pages are cells.
 fn cell_level() -> u32 { return min(MOST_CELLS, PAGE_LAST); }
 
-// The word of a cell.
 fn cell_word(cell: vec2<u32>) -> u32 {
     return REQUEST_HEAD + finest_side() * tree_width() + (cell.y << cell_level()) + cell.x;
 }
@@ -86,6 +89,13 @@ fn pages_touched(level: u32, low: vec2<f32>, high: vec2<f32>) -> Touched {
     return Touched(vec2<u32>(clamp(low * scale - SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT),
         vec2<u32>(clamp(high * scale + SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT),
         all(high >= vec2(0.0)) && all(low < vec2(side)));
+}
+
+// Whether a box of places on the map comes near a silhouette.
+fn is_at_edge(low: vec2<f32>, high: vec2<f32>) -> bool {
+    let end = vec2(f32(frame.map_size) - 1.0);
+    return rect_sum(vec2(frame.map_size), vec2<u32>(clamp(low - 1.0, vec2(0.0), end)),
+        vec2<u32>(clamp(high + 1.0, vec2(0.0), end))) > 0u;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -103,7 +113,8 @@ fn request(
     let low = f.low;
     let high = f.high;
     let extent = max(high.x - low.x, high.y - low.y);
-    let thirds = u32(level_for(square, extent, f.w));
+    var thirds = u32(level_for(square, extent, f.w));
+    if EDGES != 0u && thirds > THIRDS * PAGE_BASE && !is_at_edge(low, high) { thirds = THIRDS * PAGE_BASE; }
     levels[pixel] = thirds;
     let level = (thirds + THIRDS - 1u) / THIRDS;
     let touched = pages_touched(select(level, cell_level(), FITTED != 0u), low, high);
@@ -137,7 +148,6 @@ fn fit(
             finest = max(finest, atomicLoad(&requests[cell_word(vec2(x, y))]));
         }
     }
-    // The pixel itself was one that asked.
     levels[pixel] = max(finest, 1u) - 1u;
 }
 

@@ -23,7 +23,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     {
         let mut rec = Recorder::new(&gpu.device, &mut encoder, None);
         let s = &mut rec.stage("bench");
-        requests.record_request(s, &setup.frame, setup.seen_with(&samples), &nodes)?;
+        requests.record_request(s, &setup.frame, setup.seen_with(&samples), &nodes, None)?;
         requests.record_choose(s, &nodes)?;
     }
     gpu.submit_and_wait(encoder)?;

@@ -27,7 +27,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
                 if choose {
                     return stage.record_choose(s, &nodes);
                 }
-                stage.record_request(s, &setup.frame, setup.seen_with(&samples), &nodes)
+                stage.record_request(s, &setup.frame, setup.seen_with(&samples), &nodes, None)
             }),
         });
     }

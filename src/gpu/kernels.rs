@@ -993,7 +993,7 @@ pub mod page_requests {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
         "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/map_footprint", "shared/raster/page_tree", "page_requests",
+        "shared/facet/map_footprint", "shared/raster/page_tree", "shared/raster/summed_area", "page_requests",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1010,6 +1010,7 @@ pub mod page_requests {
         page_last: u32 = 8, "PAGE_LAST",
         finer: u32 = 0, "FINER",
         fitted: u32 = 0, "FITTED",
+        edges: u32 = 0, "EDGES",
         budget: u32 = 64, "BUDGET",
     }
     entry_point! { "page_requests", "request", [64, 1, 1], SOURCE, Constants => Request, RequestProgram {
@@ -1019,6 +1020,7 @@ pub mod page_requests {
         4 points: Read<'a, [f32; 4]>,
         5 requests: Write<'a, u32>,
         6 levels: Write<'a, u32>,
+        10 sat: Read<'a, u32>,
     } }
     entry_point! { "page_requests", "fit", [64, 1, 1], SOURCE, Constants => Fit, FitProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1040,7 +1042,6 @@ pub mod page_requests {
     } }
     subset! { Request => Fit { frame, id_keys, triangles, points, requests, levels } }
     subset! { Request => Spread { frame, requests } }
-    subset! { Fit => Request { frame, id_keys, triangles, points, requests, levels } }
     subset! { Fit => Spread { frame, requests } }
     entries! {
         Request, Fit, Spread, Choose,

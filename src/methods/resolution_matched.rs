@@ -1,17 +1,19 @@
 //! `resolution-matched`: resolution-matched shadow maps (Lefohn, Sengupta, Owens 2007), one page of calls to stages. The light's view is a
 //! quadtree of pages of 32 × 32 texels, of which those are made that pixels ask for, by as many thirds of a level coarser as a budget takes. Pages are
 //! made anew in every frame; nothing is read back. By [`PageRule::Fitted`](crate::stages::page_requests::PageRule) they are fitted virtual shadow
-//! maps (Giegl, Wimmer 2007): all pages of a cell of the view, as fine as the finest that is asked for in it. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
+//! maps (Giegl, Wimmer 2007): all pages of a cell of the view, as fine as the finest that is asked for in it; by `Edges` adaptive shadow maps
+//! (Fernando et al. 2001): fine pages where a silhouette is. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
 
 use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
+use super::light_maps::{LightMapPipelines, LightMaps};
 use super::output::Counts;
 use super::settings::{PageSettings, ShadowMapSettings};
 use crate::Result;
 use crate::gpu::{Buffer, Gpu, Recorder};
-use crate::stages::PrimaryHits;
 use crate::stages::page_casters::{PageCasters, PageTexels};
 use crate::stages::page_query::PageQuery;
-use crate::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageTree};
+use crate::stages::page_requests::{PageNodes, PageRequests, PageRequestsOptions, PageRule, PageTree};
+use crate::stages::{PrefixScan, PrimaryHits};
 
 /// The method for one image, map and setting.
 #[derive(Debug)]
@@ -22,6 +24,8 @@ pub struct ResolutionMatched {
     nodes: PageNodes,
     texels: PageTexels,
     visibility: Buffer<f32>,
+    /// Silhouettes in the light's view, where pages are asked for at edges.
+    edges: Option<Box<(LightMapPipelines, LightMaps)>>,
 }
 
 impl ResolutionMatched {
@@ -36,6 +40,11 @@ impl ResolutionMatched {
         let PageSettings { finer, rule, .. } = settings.pages;
         let (tree, budget) = (PageTree::new(settings.map), settings.pages.budget(settings.map));
         let requests = PageRequests::new(device, PageRequestsOptions { tree, budget, finer, rule })?;
+        let edges = || {
+            let with = LightMapPipelines::new(device, &PrefixScan::new(device));
+            let maps = LightMaps::new(device, queue, &with, casters.edges.len(), settings.map as usize)?;
+            Ok::<_, crate::Error>(Box::new((with, maps)))
+        };
         Ok(Self {
             nodes: PageNodes::new(device, &requests, tree, settings.pixels())?,
             texels: PageTexels::new(device, queue, casters.triangles.len(), budget)?,
@@ -43,6 +52,7 @@ impl ResolutionMatched {
             casters: PageCasters::new(device, tree, budget, settings.alpha_tested),
             query: PageQuery::new(device, tree, [constant, slope]),
             visibility: Buffer::storage(device, "page_query.visibility", settings.pixels())?,
+            edges: (rule == PageRule::Edges).then(edges).transpose()?,
         })
     }
 }
@@ -50,7 +60,10 @@ impl ResolutionMatched {
 impl FixedMethod for ResolutionMatched {
     fn record(&self, rec: &mut Recorder, inputs: StageInputs) -> Result<()> {
         let (frame, geometry) = (inputs.frame, inputs.geometry);
-        let Self { requests, casters, query, nodes, texels, visibility } = self;
+        let Self { requests, casters, query, nodes, texels, visibility, edges } = self;
+        if let Some((with, maps)) = edges.as_deref() {
+            maps.record(rec, with, frame, (inputs.casters, geometry), inputs.status, false)?;
+        }
         rec.clear(nodes.requests.raw());
         rec.clear(texels.keys.raw());
         let seen = PrimaryHits {
@@ -61,7 +74,7 @@ impl FixedMethod for ResolutionMatched {
         };
         {
             let stage = &mut rec.stage("page_requests");
-            requests.record_request(stage, frame, seen, nodes)?;
+            requests.record_request(stage, frame, seen, nodes, edges.as_ref().map(|edges| &edges.1.sat))?;
             requests.record_choose(stage, nodes)?;
         }
         casters.record(&mut rec.stage("page_casters"), frame, geometry.in_light(inputs.casters), nodes, texels)?;

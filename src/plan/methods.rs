@@ -5,7 +5,7 @@ use crate::Result;
 use crate::light_view::{LightView, OmniMaps};
 use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
-use crate::methods::{MapQuery, MethodName, TexelQuery};
+use crate::methods::{MapQuery, MethodName, PageRule, TexelQuery};
 use crate::scene::{Camera, Light};
 use glam::DVec3;
 
@@ -98,7 +98,7 @@ const BIN_STAGES: [(&str, &str); 4] = [
     ("shadow_rays_cut", "drops samples that see another surface than the centre"),
 ];
 
-/// Stages that prove facets lit or shadowed.
+/// Stages that prove facets lit or shadowed, by silhouettes that they find.
 const PROOF: [&str; 4] = ["light_layers", "silhouette_mask", "front_layer", "summed_area"];
 
 /// Stage of the methods of one receiver a pixel where the light has several views.
@@ -163,17 +163,20 @@ impl Plan {
         let curved = wanted.omni == OmniMaps::Paraboloids;
         let own = own.iter().map(|&step| if curved && step == NEAREST { CURVED } else { step });
         let own = own.map(|(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
+        let of_edges = query == TexelQuery::Pages && wanted.pages.rule == PageRule::Edges;
         let kept = |s: &PlanStep| match s.name {
             "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces"
             | "seen_depths" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
             name => {
-                query == TexelQuery::Rays && settings.ray_traced.silhouettes && settings.settle && PROOF.contains(&name)
+                let of_rays = query == TexelQuery::Rays && settings.ray_traced.silhouettes && settings.settle;
+                (of_rays || of_edges) && PROOF.contains(&name)
             }
         };
         let mut steps: Vec<PlanStep> = shadowless.into_iter().filter(kept).collect();
         let at = if of_facets { steps.len() - 1 } else { 2 };
-        steps.splice(at..at, own);
+        let proved = if of_edges { steps.iter().filter(|s| PROOF.contains(&s.name)).count() } else { 0 };
+        steps.splice(at + proved..at + proved, own);
         if !of_facets {
             let (name, purpose) = CHOICE;
             let several = if curved {

@@ -7,11 +7,13 @@
 //!   receiver, to the right or down, whichever is longer, `finer` levels beyond it, as far as single precision tells texels apart. The pages that are made are those asked for, all by
 //!   the least number of thirds of a level coarser by which they are no more than the budget. The coarsest page is always made.
 //!   By [`PageRule::Fitted`] the view is cut into cells, the pages of level 5 or of the finest, and all pages of a cell are asked for
-//!   at the finest level that any pixel in it asks for, which is then that of all its pixels.
+//!   at the finest level that any pixel in it asks for, which is then that of all its pixels. By [`PageRule::Edges`] pixels away from silhouettes ask for
+//!   no finer texels than the map's.
 //! - **Cost.** One dispatch over pixels, one over nodes, one more of each for cells; 20 bytes a node, 4 a pixel, and 4 a cell.
 //! - **Source.** Lefohn, Sengupta, Owens 2007 ("Resolution-matched shadow maps"): all steps on the GPU. Marks in a tree take the place of
 //!   its sort of requests. Cells: Giegl, Wimmer 2007 ("Fitted virtual shadow maps"), whose low-resolution buffer of required
-//!   resolutions a CPU fills.
+//!   resolutions a CPU fills. Edges: Fernando, Fernandez, Bala, Greenberg 2001
+//!   ("Adaptive shadow maps"), by marks of silhouettes where theirs looks for steps of depth, and not over several frames.
 
 use super::{PrefixScan, PrimaryHits, SummedArea, holds};
 use crate::frame::Frame;
@@ -158,6 +160,9 @@ pub enum PageRule {
     /// Those that a pixel's samples touch, at the level that matches it: resolution-matched shadow maps (Lefohn, Sengupta, Owens 2007).
     #[default]
     Matched,
+    /// As `Matched` where a pixel's samples come near a silhouette in the map, elsewhere no finer than the map: adaptive shadow maps (Fernando,
+    /// Fernandez, Bala, Greenberg 2001).
+    Edges,
     /// All of a cell of the view, at the finest level that a pixel in it asks for: fitted virtual shadow maps (Giegl, Wimmer 2007).
     Fitted,
 }
@@ -168,6 +173,8 @@ pub struct PageRequests {
     request: kernel::RequestProgram,
     /// Pages of cells, and the levels of their pixels.
     cells: Option<(kernel::SpreadProgram, kernel::FitProgram)>,
+    /// Bound where no table is given.
+    no_sat: Buffer<u32>,
     choose: kernel::ChooseProgram,
     scan: PrefixScan,
     summed_area: SummedArea,
@@ -181,6 +188,7 @@ impl PageRequests {
     pub fn new(device: &wgpu::Device, options: PageRequestsOptions) -> Result<Self> {
         let PageRequestsOptions { tree, budget, finer, rule } = options;
         let fitted = rule == PageRule::Fitted;
+        let no_sat = Buffer::storage(device, "page_requests.no_sat", 1)?;
         let most = PageTree::MOST_PAGES;
         if !(1..=most).contains(&budget) {
             return Err(Error::Config(format!("page_requests: {budget} pages; 1 to {most} are possible")));
@@ -189,6 +197,7 @@ impl PageRequests {
             paraboloids: 0,
             finer,
             fitted: fitted.into(),
+            edges: (rule == PageRule::Edges).into(),
             budget,
             page_base: tree.base,
             page_last: tree.last,
@@ -197,13 +206,15 @@ impl PageRequests {
         Ok(Self {
             request: kernel::RequestProgram::new(device, constants),
             cells: fitted.then(cells),
+            no_sat,
             choose: kernel::ChooseProgram::new(device, constants),
             scan: PrefixScan::new(device),
             summed_area: SummedArea::new(device, Texels::Words),
         })
     }
 
-    /// Records which pages the pixels ask for. [`PageNodes::requests`] must be 0 before.
+    /// Records which pages the pixels ask for. [`PageNodes::requests`] must be 0 before; `sat` is the summed-area table of the map's marks, which
+    /// [`PageRule::Edges`] asks.
     ///
     /// # Errors
     /// [`Error::Config`] if `nodes` is for fewer pixels.
@@ -213,6 +224,7 @@ impl PageRequests {
         frame: &Buffer<Frame>,
         seen: PrimaryHits,
         nodes: &PageNodes,
+        sat: Option<&Buffer<u32>>,
     ) -> Result<()> {
         holds("page_requests", "levels", nodes.levels.len(), seen.id_keys.len())?;
         let bindings = kernel::Request {
@@ -222,6 +234,7 @@ impl PageRequests {
             points: seen.points.as_read(),
             requests: nodes.requests.as_write(),
             levels: nodes.levels.as_write(),
+            sat: sat.unwrap_or(&self.no_sat).as_read(),
         };
         let pixels = Groups::Items(seen.id_keys.len() as u64);
         stage.run(&self.request, bindings, pixels);

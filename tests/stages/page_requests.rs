@@ -7,12 +7,12 @@ use crate::support::shadow::{
 };
 use crate::support::spsm::{faces_away, on_plane};
 use crate::support::{POISON, Random, gpu, sizes_around};
-use oracle::reference::page_requests::{Asked, cells, chosen, level, levels_around, of_cells, thirds};
+use oracle::reference::page_requests::{Asked, THIRDS, cells, chosen, level, levels_around, of_cells, thirds};
 use oracle::reference::prefix_scan::exclusive;
 use oracle::reference::summed_area::table;
 use std::collections::BTreeSet;
 use subpixel_shadows::frame::sample_box;
-use subpixel_shadows::glam::DVec2;
+use subpixel_shadows::glam::{DVec2, UVec2};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::page_requests::{PageRule, PageTree};
 use test_support::gpu_test;
@@ -76,7 +76,18 @@ fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
             let told = (told - more.log2()).floor() as i32;
             thirds(step * more, extent * more + (more - 1.0) * 0.01, told, ran.finer, tree)
         };
-        let (finest, coarsest) = (of(1.0 / 1.02), of(1.02));
+        let (mut finest, mut coarsest) = (of(1.0 / 1.02), of(1.02));
+        if let Some(edges) = &ran.edges {
+            let near = |grow: f64| {
+                let texel = |p: DVec2| p.clamp(DVec2::ZERO, DVec2::splat(size - 1.0)).floor().as_uvec2();
+                let (first, last) = (texel(low - grow), texel(high + grow));
+                let within = |at: UVec2| at.cmpge(first).all() && at.cmple(last).all();
+                edges.iter().any(|&at| within(at.into()))
+            };
+            let held = THIRDS * tree[0];
+            finest = if near(1.25) { finest } else { finest.min(held) };
+            coarsest = if near(0.75) { coarsest } else { coarsest.min(held) };
+        }
         sure += usize::from(finest == coarsest && dark == Some(false));
         let open = dark.is_none() && found == 0;
         if !open && !(coarsest..=finest).contains(&found) {
@@ -266,6 +277,38 @@ fn two_d_dispatch() {
     let of = |gpu| check(&world(gpu, &mesh, above(), [24, 24], 24, 8), 64, 1);
     let (a, b) = (of(ten_a_row()), of(gpu()));
     assert!(a.requests == b.requests && a.table == b.table && a.levels == b.levels, "the fold changes the result");
+}
+
+/// Pages at silhouettes: pixels away from these ask for texels of the map at the finest.
+#[gpu_test]
+fn pixels_away_from_edges_ask_for_little() {
+    let mut random = Random::new(97);
+    let (mut held, mut fine) = (0, 0);
+    for (k, map) in [64, 150, 24].into_iter().enumerate() {
+        for kind in 0..4 {
+            let mesh = random_scene(kind, &mut random);
+            let world = world(gpu(), &mesh, random_light(k % 2 == 0, &mut random), [60, 40], map, [1, 32, 8][k]);
+            let marked: Vec<[u32; 2]> = (0..map / 4).map(|_| [random.below(map), random.below(map)]).collect();
+            let by_pixel = Paged::new(&world, 1000, 2);
+            let ran = Paged::marked(PageRule::Edges, &world, 1000, 2, &marked);
+            fault(&world, &ran).unwrap_or_else(|e| panic!("map {map}, kind {kind}: {e}"));
+            held += by_pixel.levels.iter().zip(&ran.levels).filter(|(all, some)| all > some).count();
+            fine += ran.levels.iter().filter(|level| **level > THIRDS * ran.tree.base).count();
+            assert!(ran.counts[2] <= by_pixel.counts[2], "{:?}, {:?}", ran.counts, by_pixel.counts);
+            let nowhere = Paged::by(PageRule::Edges, &world, 1000, 2);
+            assert!(nowhere.levels.iter().all(|level| *level <= THIRDS * ran.tree.base));
+        }
+    }
+    assert!(held > 500 && fine > 500, "{held} pixels held, {fine} not");
+    let world = world(gpu(), &random_scene(1, &mut Random::new(89)), above(), [96, 72], 100, 8);
+    let marked: Vec<[u32; 2]> = (0..400).map(|_| [random.below(100), random.below(100)]).collect();
+    let ran = Paged::marked(PageRule::Edges, &world, 500, 2, &marked);
+    assert!(fault(&world, &ran).is_ok());
+    // Other silhouettes, none, or all pixels by themselves are told apart.
+    for edges in [Some(marked[..200].to_vec()), Some(Vec::new()), None] {
+        let off = Paged { edges, ..Paged::marked(PageRule::Edges, &world, 500, 2, &marked) };
+        assert!(fault(&world, &off).is_err());
+    }
 }
 
 /// Pages by cells of the view, with room for them and without, of maps that fill their pages and that do not.

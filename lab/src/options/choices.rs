@@ -70,6 +70,8 @@ pub enum PagesBy {
     /// Those that a pixel's samples touch, as fine as it is
     #[default]
     Matched,
+    /// These where a silhouette is near in the map, elsewhere no finer ones than the map
+    Edges,
     /// All of a cell of the view, as fine as the finest that is asked for in it
     Fitted,
 }
@@ -78,6 +80,7 @@ impl From<PagesBy> for PageRule {
     fn from(name: PagesBy) -> Self {
         match name {
             PagesBy::Matched => Self::Matched,
+            PagesBy::Edges => Self::Edges,
             PagesBy::Fitted => Self::Fitted,
         }
     }

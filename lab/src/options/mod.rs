@@ -171,7 +171,7 @@ pub struct RenderOptions {
     /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub finer: u32,
-    /// Rule by which pages of resolution-matched are asked for: by pixels, or by cells of the view (fitted virtual shadow maps)
+    /// Rule by which pages of resolution-matched are asked for: by pixels, by those near silhouettes (adaptive shadow maps), or by cells of the view (fitted virtual shadow maps)
     #[arg(long, value_enum, default_value_t, value_name = "BY")]
     pub page_rule: PagesBy,
     /// Rule for the width of texels along either axis of rectilinear: the pixels that want the most of an axis, or its distance from the eye

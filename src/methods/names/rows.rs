@@ -423,9 +423,9 @@ pub const METHODS: [MethodRow; 24] = [
         method: MethodName::ResolutionMatched,
         name: "resolution-matched",
         paper: "Lefohn, Sengupta, Owens 2007: Resolution-Matched Shadow Maps",
-        section: "Scherzer 2011: 4.3.3; with --page-rule fitted Giegl, Wimmer 2007",
+        section: "Scherzer 2011: 4.3.3; with --page-rule edges Fernando et al. 2001, with fitted Giegl, Wimmer 2007",
         parts: [
-            "pages of a quadtree as fine as pixels ask, or cells do, in a budget; slices, warps; a cube",
+            "pages of a quadtree as fine as pixels ask, or edges, or cells, in a budget; slices, warps; a cube",
             "nearest depth",
             "compare every sample on the pixel's level",
         ],

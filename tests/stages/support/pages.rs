@@ -4,6 +4,7 @@ use super::shadow::{World, uniform};
 use super::spsm::with_blocks;
 use super::{POISON, run};
 use oracle::reference::page_requests::{Asked, TreePage};
+use oracle::reference::summed_area::table;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use subpixel_shadows::gpu::{Buffer, Gpu};
@@ -26,6 +27,8 @@ pub struct Paged {
     pub tree: PageTree,
     pub budget: u32,
     pub finer: u32,
+    /// Texels with silhouettes, where these count.
+    pub edges: Option<Vec<[u32; 2]>>,
     pub seen: Vec<Option<u32>>,
     pub requests: Vec<u32>,
     pub levels: Vec<u32>,
@@ -44,8 +47,16 @@ impl Paged {
         Self::by(PageRule::Matched, world, budget, finer)
     }
 
-    /// The same by a rule.
+    /// The same by a rule, with no silhouettes.
     pub fn by(rule: PageRule, world: &World, budget: u32, finer: u32) -> Self {
+        Self::marked(rule, world, budget, finer, &[])
+    }
+
+    /// The same with silhouettes in some texels of the map.
+    pub fn marked(rule: PageRule, world: &World, budget: u32, finer: u32, marked: &[[u32; 2]]) -> Self {
+        let side = world.view.map.map_size;
+        let mut marks = vec![0; (side * side) as usize];
+        marked.iter().for_each(|[x, y]| marks[(y * side + x) as usize] = 1);
         let gpu = world.gpu;
         let (device, queue) = (&gpu.device, &gpu.queue);
         let tree = PageTree::new(world.view.map.map_size);
@@ -59,6 +70,7 @@ impl Paged {
         }
         let triangles = world.triangles.len();
         let holes = !world.prepared.alpha().is_empty();
+        let sat = Buffer::from_slice(device, queue, "test.sat", &table(&marks, side as usize)).expect("memory");
         let texels = PageTexels::new(device, queue, triangles, budget).expect("memory");
         let visibility = Buffer::<f32>::storage(device, "test.visibility", seen.len()).expect("memory");
         visibility.write(queue, &vec![f32::from_bits(POISON); seen.len()]);
@@ -68,7 +80,7 @@ impl Paged {
         let casters = PageCasters::new(device, tree, budget, holes);
         let query = PageQuery::new(device, tree, BIAS);
         run(gpu, |s| {
-            stage.record_request(s, &frame, from, &nodes)?;
+            stage.record_request(s, &frame, from, &nodes, Some(&sat))?;
             stage.record_choose(s, &nodes)
         });
         with_blocks(world, |blocks| run(gpu, |s| casters.record(s, &frame, blocks, &nodes, &texels)));
@@ -78,6 +90,7 @@ impl Paged {
             tree,
             budget,
             finer,
+            edges: (rule == PageRule::Edges).then(|| marked.to_vec()),
             seen,
             requests: read(&nodes.requests),
             levels: read(&nodes.levels),

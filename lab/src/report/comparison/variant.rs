@@ -209,8 +209,10 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                     add(&format!("finer={finer}"), Settings { pages, ..settings.clone() });
                 }
             }
-            let pages = PageSettings { rule: PageRule::Fitted, ..settings.pages };
-            add("rule=fitted", Settings { pages, ..settings.clone() });
+            for (name, rule) in [("edges", PageRule::Edges), ("fitted", PageRule::Fitted)] {
+                let pages = PageSettings { rule, ..settings.pages };
+                add(&format!("page-rule={name}"), Settings { pages, ..settings.clone() });
+            }
         }
         MethodName::Rectilinear => {
             for (name, density) in [("requested", DensityRule::Requested), ("logarithmic", DensityRule::Logarithmic)] {
