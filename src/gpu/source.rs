@@ -35,7 +35,7 @@ pub const fn bare_length(text: &str) -> usize {
     write_bare(text, &mut [])
 }
 
-/// A text of WGSL without comments, indents, empty lines and the spaces that separate nothing; `N` is its [`bare_length`].
+/// A text of WGSL without comments, and without the spaces and ends of lines that separate nothing; `N` is its [`bare_length`].
 pub const fn bare<const N: usize>(text: &str) -> [u8; N] {
     let mut out = [0; N];
     write_bare(text, &mut out);
@@ -56,19 +56,21 @@ const fn are_apart(before: u8, after: u8) -> bool {
 /// Writes what [`bare`] gives, as far as there is room. How many bytes it is.
 pub const fn write_bare(text: &str, out: &mut [u8]) -> usize {
     let text = text.as_bytes();
-    let (mut read, mut length, mut last) = (0, 0, b'\n');
+    let (mut read, mut length, mut last) = (0, 0, b' ');
     while read < text.len() {
         let mut byte = text[read];
         if byte == b'/' && read + 1 < text.len() && text[read + 1] == b'/' {
             while read < text.len() && text[read] != b'\n' {
                 read += 1;
             }
-            byte = b'\n';
+            byte = b' ';
         }
         read += 1;
-        // Of a line that has begun its end is kept, too.
-        let next = if read < text.len() { text[read] } else { b'\n' };
-        if last == b'\n' && byte == b'\n' || byte == b' ' && !are_apart(last, next) {
+        if byte == b'\n' {
+            byte = b' ';
+        }
+        let next = if read < text.len() { text[read] } else { b' ' };
+        if byte == b' ' && !are_apart(last, next) {
             continue;
         }
         last = byte;
@@ -86,9 +88,10 @@ mod tests {
 
     #[test]
     fn what_a_compiler_skips_is_left_out() {
-        const TEXT: &str = "// A comment.\n\nfn a() {\n    b(1 / 2 - -x); // Its end.\n\n}\n//@import c";
+        const TEXT: &str =
+            "// A comment.\n\nfn a() {\n    b(1 / 2 - -x); // Its end.\n    return\n        c;\n}\n//@import c";
         const BARE: [u8; bare_length(TEXT)] = bare(TEXT);
-        assert_eq!(std::str::from_utf8(&BARE), Ok("fn a(){\nb(1/2- -x);\n}\n"));
+        assert_eq!(std::str::from_utf8(&BARE), Ok("fn a(){b(1/2- -x);return c;}"));
         assert_eq!((bare_length(""), bare_length("// only"), bare_length("a/b")), (0, 0, 3));
     }
 }

@@ -34,7 +34,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A generated script without indents, empty lines, and lines of comments.
+/// A script, or a page with one, without indents, empty lines, and lines of comments.
 fn code_only(script: &str) -> String {
     let lines = script.lines().map(str::trim);
     let code = lines.filter(|line| !line.is_empty() && !["//", "/**", "*"].iter().any(|c| line.starts_with(c)));
@@ -50,7 +50,11 @@ fn make(wasm: &str, folder: &Path) -> Result<usize, Box<dyn Error>> {
     let glue = folder.join("viewer.js");
     std::fs::write(&glue, code_only(&std::fs::read_to_string(&glue)?))?;
     for (name, content) in FILES {
-        std::fs::write(folder.join(name), content)?;
+        let path = folder.join(name);
+        match std::str::from_utf8(content) {
+            Ok(text) => std::fs::write(path, code_only(text))?,
+            Err(_) => std::fs::write(path, content)?,
+        }
     }
     ["viewer_bg.wasm", "viewer.js", "worker.js", "index.html"].iter().try_fold(0, |sum, name| {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
