@@ -196,7 +196,6 @@ pub async fn start(
     worker::set_ask(ask);
     COMPILED.set(Some(compiled));
     console_error_panic_hook::set_once();
-    eframe::WebLogger::init(log::LevelFilter::Warn).ok();
     let said = |error: &dyn std::fmt::Display| JsValue::from_str(&error.to_string());
     let view = if line.trim().is_empty() {
         View::first().map_err(|e| said(&e))?
