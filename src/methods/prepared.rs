@@ -263,9 +263,9 @@ pub fn marked_triangles(prepared: &Prepared, first: usize) -> Vec<[u32; 4]> {
 /// A range of triangles as kernels read them; the fourth word is 1 for one of a closed body, one more than the number of the element where an
 /// alpha-tested one is told of, of which `first` is the first, and 0 for others.
 pub fn marked_triangles_in(prepared: &Prepared, first: usize, range: Range<usize>) -> Vec<[u32; 4]> {
-    let of_body = &prepared.bodies[range.clone()];
+    let of_body = prepared.bodies.iter().skip(range.start).copied().chain(std::iter::repeat(false));
     let triangles = &prepared.mesh.triangles[range.clone()];
-    let marked = triangles.iter().zip(of_body).map(|(&[a, b, c], &body)| [a, b, c, u32::from(body)]);
+    let marked = triangles.iter().zip(of_body).map(|(&[a, b, c], body)| [a, b, c, u32::from(body)]);
     let mut marked: Vec<[u32; 4]> = marked.collect();
     for (k, of) in prepared.alpha.triangles.iter().enumerate() {
         if let Some(marked) = (of.triangle as usize).checked_sub(range.start).and_then(|t| marked.get_mut(t)) {

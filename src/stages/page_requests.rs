@@ -150,7 +150,7 @@ pub struct PageRequestsOptions {
     pub budget: u32,
     /// Levels beyond that whose texels are no longer than a pixel.
     pub finer: u32,
-    /// What is asked for.
+    /// Rule by which pages are asked for.
     pub rule: PageRule,
 }
 
