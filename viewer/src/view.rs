@@ -2,7 +2,7 @@
 
 use crate::overlay::Overlay;
 use clap::Parser;
-use lab::options::{FrameArguments, RenderOptions};
+use lab::options::{FrameArguments, RenderOptions, parsed, reason};
 use lab::scene::Scene;
 use subpixel_shadows::methods::{FacetMode, MethodName};
 use subpixel_shadows::{Error, Result};
@@ -98,7 +98,8 @@ impl View {
         let words = shlex::split(line).ok_or_else(|| refuse("a quote is not closed"))?;
         let begin = words.iter().take(12).rposition(|word| word == "--" || word == "viewer").map_or(0, |at| at + 1);
         let arguments = std::iter::once("viewer").chain(words[begin..].iter().map(String::as_str));
-        Self::new(ViewArguments::try_parse_from(arguments).map_err(|e| refuse(&lab::options::reason(&e)))?)
+        let given = parsed(arguments, |given: &ViewArguments| given.frame.options.method);
+        Self::new(given.map_err(|e| refuse(&reason(&e)))?)
     }
 
     /// The arguments that open this view of `scene`.
@@ -157,6 +158,8 @@ mod tests {
             ("plane --show nothing", "nothing"),
             ("plane --against '--samples 3'", "3"),
             ("plane --samples 7", "7"),
+            ("plane --kernel 5", "the method facet-masks does not take '--kernel'"),
+            ("plane --against '--method spsm --omni paraboloids'", "the method spsm does not take '--omni'"),
         ] {
             let told = match View::of_line(line) {
                 // A scene may have any name; it is not opened here.

@@ -1,6 +1,7 @@
 //! The window, and its command line.
 
 use clap::Parser;
+use lab::options::parsed;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -77,7 +78,8 @@ impl eframe::App for Once {
 
 /// Opens the window. Exit status as that of the program: 1 bad input, 2 usage, 3 no window or no adapter.
 pub fn main() -> ExitCode {
-    match run(Arguments::parse()) {
+    let given = parsed(std::env::args_os(), |given: &Arguments| given.view.frame.options.method);
+    match run(given.unwrap_or_else(|e| e.exit())) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");

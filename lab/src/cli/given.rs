@@ -2,15 +2,13 @@
 
 use super::args::Cli;
 use clap::error::ErrorKind;
-use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, Parser};
-use lab::options::{FrameArguments, RenderOptions, reason};
+use lab::options::{FrameArguments, RenderOptions, is_on_line, reason, refusal};
 use lab::report::FrameReport;
 use lab::scene::{CameraOverride, light_from_text, names};
 use serde_json::{Map, Value};
 use std::ffi::OsString;
 use std::path::Path;
-use subpixel_shadows::methods::{METHOD_OPTIONS, METHODS, MethodName};
 use subpixel_shadows::scene::Mesh;
 use subpixel_shadows::{Error, Result};
 
@@ -31,25 +29,10 @@ pub fn given(
         Some(path) => with_frame(matches, scene, &options, path)?,
         None => (scene, options),
     };
-    for option in METHOD_OPTIONS.iter().filter(|o| on_line(matches, o)) {
-        if let Some(text) = refusal(option, options.method) {
-            Cli::command().error(ErrorKind::ArgumentConflict, text).exit();
-        }
+    if let Some(text) = refusal(matches, options.method) {
+        Cli::command().error(ErrorKind::ArgumentConflict, text).exit();
     }
     Ok((scene, options))
-}
-
-/// Why `method` cannot be given an option, if so.
-fn refusal(name: &str, method: MethodName) -> Option<String> {
-    let option = METHOD_OPTIONS.iter().find(|o| **o == name && !method.takes(o))?;
-    let takers: Vec<&str> = METHODS.iter().filter(|row| row.method.takes(option)).map(|row| row.name).collect();
-    let verb = if takers.len() == 1 { "does" } else { "do" };
-    Some(format!("the method {} does not take '--{name}'; {} {verb}", method.name(), takers.join(", ")))
-}
-
-/// Whether an option was given on the command line.
-fn on_line(matches: &ArgMatches, name: &str) -> bool {
-    matches.value_source(&name.replace('-', "_")) == Some(ValueSource::CommandLine)
 }
 
 /// Scene and options of a frame.json, those on the command line before them.
@@ -65,17 +48,17 @@ fn with_frame(
     let mut found = Vec::new();
     for (name, value) in &settings {
         let Some(argument) = of_frame(path, name, value)? else { continue };
-        if name == "method" && !on_line(matches, "method") {
+        if name == "method" && !is_on_line(matches, "method") {
             method = argument.options.method;
         }
         found.push((name, argument));
     }
     // Another method may be asked for, which takes less.
-    let kept = found.iter().filter(|(name, _)| *name != "scene" && !on_line(matches, name) && method.takes(name));
+    let kept = found.iter().filter(|(name, _)| *name != "scene" && !is_on_line(matches, name) && method.takes(name));
     arguments.extend(kept.map(|(_, argument)| argument.text.clone()));
     for argument in FrameArguments::command().get_opts() {
         let id = argument.get_id().as_str();
-        if matches.value_source(id) != Some(ValueSource::CommandLine) {
+        if !is_on_line(matches, id) {
             continue;
         }
         let mut text = OsString::from(format!("--{}", argument.get_long().unwrap_or(id)));
@@ -188,6 +171,7 @@ mod tests {
     use super::*;
     use lab::scene::Scene;
     use std::collections::BTreeSet;
+    use subpixel_shadows::methods::{METHOD_OPTIONS, MethodName};
 
     fn options(arguments: &[&str]) -> RenderOptions {
         FrameArguments::try_parse_from([&["subpixel-shadows"], arguments].concat()).unwrap().options
@@ -243,18 +227,5 @@ mod tests {
             let reopened = again.open(Some("spheres")).unwrap().0;
             assert_eq!((reopened.camera, reopened.light), (scene.camera, scene.light));
         }
-    }
-
-    #[test]
-    fn refusals_name_the_methods_that_take_it() {
-        assert_eq!(refusal("kernel", MethodName::Pcf), None);
-        assert_eq!(refusal("map", MethodName::Spsm), None);
-        let text = refusal("kernel", MethodName::Spsm).unwrap();
-        assert_eq!(text, "the method spsm does not take '--kernel'; pcf does");
-        assert!(
-            refusal("splits", MethodName::Lispsm)
-                .unwrap()
-                .ends_with("resolution-matched, rectilinear, supersampled do")
-        );
     }
 }

@@ -7,7 +7,7 @@ pub use choices::{
     Compare, DensityBy, Encoding, EngineName, FacetsPerPixel, FilterBy, MaskChoice, OmniBy, PagesBy, PairsBy,
     PartitionBy, PatternName, Projection, RayChoice, Search, Shape, Switch, WarpBy,
 };
-pub use recorded::{camera_text, light_text, reason};
+pub use recorded::{camera_text, is_on_line, light_text, parsed, reason, refusal};
 
 use crate::scene::{Scene, SceneOptions, light_from_text};
 use clap::{Args, Parser};

@@ -3,9 +3,11 @@
 use super::{FrameArguments, RenderOptions};
 use crate::scene::{Camera, CameraOverride, Lens, Light, Scene};
 use clap::error::ErrorKind;
-use clap::{Parser, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, ValueEnum};
 use serde_json::{Map, Value, json};
-use subpixel_shadows::methods::MethodName;
+use std::ffi::OsString;
+use subpixel_shadows::methods::{METHOD_OPTIONS, METHODS, MethodName};
 use subpixel_shadows::{Error, Result};
 
 impl RenderOptions {
@@ -123,11 +125,41 @@ impl FrameArguments {
         let words = shlex::split(line).ok_or_else(|| refuse("a quote is not closed"))?;
         let begin = words.iter().take(8).position(|word| word == "render").map_or(0, |at| at + 1);
         let arguments = std::iter::once("subpixel-shadows").chain(words[begin..].iter().map(String::as_str));
-        Self::try_parse_from(arguments).map_err(|e| match e.kind() {
+        parsed(arguments, |given: &Self| given.options.method).map_err(|e| match e.kind() {
             ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => refuse("is no frame"),
             _ => refuse(&reason(&e)),
         })
     }
+}
+
+/// Arguments, of which the method, as `method` finds it in them, takes every option.
+///
+/// # Errors
+/// As clap's, also for an option of other methods.
+pub fn parsed<A: CommandFactory + FromArgMatches>(
+    arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    method: impl FnOnce(&A) -> MethodName,
+) -> clap::error::Result<A> {
+    let mut command = A::command();
+    let matches = command.try_get_matches_from_mut(arguments)?;
+    let given = A::from_arg_matches(&matches)?;
+    match refusal(&matches, method(&given)) {
+        Some(text) => Err(command.error(ErrorKind::ArgumentConflict, text)),
+        None => Ok(given),
+    }
+}
+
+/// Why `method` cannot be given one of the options on a command line, if so.
+pub fn refusal(matches: &ArgMatches, method: MethodName) -> Option<String> {
+    let option = METHOD_OPTIONS.iter().find(|option| is_on_line(matches, option) && !method.takes(option))?;
+    let takers: Vec<&str> = METHODS.iter().filter(|row| row.method.takes(option)).map(|row| row.name).collect();
+    let verb = if takers.len() == 1 { "does" } else { "do" };
+    Some(format!("the method {} does not take '--{option}'; {} {verb}", method.name(), takers.join(", ")))
+}
+
+/// Whether an option was given on a command line.
+pub fn is_on_line(matches: &ArgMatches, name: &str) -> bool {
+    matches.value_source(&name.replace('-', "_")) == Some(ValueSource::CommandLine)
 }
 
 /// Reason that clap gives before it explains the usage, in one line.
@@ -214,6 +246,8 @@ mod tests {
             ("'plane", "not closed"),
             ("--help", "no frame"),
             ("--method nothing", "no such method"),
+            ("plane --method spsm --kernel 5", "the method spsm does not take '--kernel'; pcf does"),
+            ("--method lispsm --splits 2", "resolution-matched, rectilinear, supersampled do"),
         ] {
             let message = FrameArguments::of_line(line).unwrap_err().to_string();
             assert!(message.contains(part) && !message.contains('\n'), "{line}: {message}");
