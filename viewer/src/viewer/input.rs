@@ -23,11 +23,19 @@ impl Viewer {
                 () if response.dragged_by(egui::PointerButton::Middle) || keys.ctrl || light => Drag::Light,
                 () if response.dragged_by(egui::PointerButton::Secondary) || keys.shift => Drag::Pan,
                 () if began.is_some_and(near_wipe) => Drag::Wipe,
+                () if self.drags_light => Drag::Light,
                 () => Drag::Orbit,
             });
         }
         let Moment { camera, light } = self.moment;
         let by = response.drag_delta() / rect.height().max(1.0);
+        let touch = context.input(egui::InputState::multi_touch).filter(|_| response.dragged());
+        if let Some(touch) = touch {
+            // Two fingers; the first one alone drags no more.
+            self.drag = None;
+            let by = touch.translation_delta / rect.height().max(1.0);
+            self.moment.camera = pan(&camera, self.extent, -by.x, by.y);
+        }
         if let (Some(drag), true) = (self.drag, response.dragged()) {
             match drag {
                 Drag::Orbit => self.moment.camera = orbit(&camera, self.extent, 4.0 * by.x, 4.0 * by.y),
@@ -45,7 +53,7 @@ impl Viewer {
         if response.hovered() {
             let (scroll, pinch) = context.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
             if scroll != 0.0 || pinch != 1.0 {
-                self.moment.camera = zoom(&camera, self.extent, (scroll * 0.003).exp() * pinch);
+                self.moment.camera = zoom(&self.moment.camera, self.extent, (scroll * 0.003).exp() * pinch);
             }
         }
         if self.moment != (Moment { camera, light }) {

@@ -84,6 +84,8 @@ pub struct Viewer {
     size_at: (f64, [u32; 2]),
     turns: bool,
     light_turns: bool,
+    /// Whether a plain drag is of the light: touch has no keys.
+    drags_light: bool,
     drag: Option<Drag>,
     opening: Option<(String, Job<Opening>)>,
     rays: Rays,
@@ -155,6 +157,7 @@ impl Viewer {
             size_at: (f64::NEG_INFINITY, [0; 2]),
             turns: false,
             light_turns: false,
+            drags_light: false,
             drag: None,
             opening: None,
             rays,

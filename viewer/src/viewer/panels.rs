@@ -78,6 +78,9 @@ impl Viewer {
             ui.checkbox(&mut self.turns, "turn camera");
             ui.checkbox(&mut self.light_turns, "turn light");
         });
+        let drags =
+            ui.checkbox(&mut self.drags_light, "drag the light").on_hover_text("a drag turns or moves the light");
+        panel::keep(&drags, &["drag the light"]);
         ui.horizontal(|ui| {
             if ui.button("reset").clicked() {
                 self.moment = self.home;
@@ -202,6 +205,7 @@ impl Viewer {
                     ("drag with the right button, or shift", "move the camera"),
                     ("drag with ctrl, L or the middle button", "turn or move the light"),
                     ("wheel, pinch", "nearer, farther"),
+                    ("drag with two fingers", "move the camera"),
                     ("W A S D, Q E", "fly"),
                     ("arrows", "turn or move the light"),
                     ("1 to 7", "shaded, visibility, difference, classes, facets, texels, pairs"),
