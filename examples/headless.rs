@@ -34,6 +34,7 @@ fn main() -> subpixel_shadows::Result<()> {
         near: 0.01,
         far: 100.0,
         lens: Lens::CENTRED,
+        near_plane: None,
     };
     let light = Light::Directional { direction: [0.9, 1.0, 0.5] };
     let settings = Settings::new([320, 240], 128, Samples::new(Pattern::LowDiscrepancy, 32)?);

@@ -25,6 +25,8 @@ shared_struct! {
         pub ray_y: [f32; 4],
         /// View direction; `w`: near distance.
         pub forward: [f32; 4],
+        /// Inverse view depth of the oblique near plane on a ray is `dot(ray, xyz) + w`; without such a plane at the eye.
+        pub near_plane: [f32; 4],
         /// Image x of a point is `dot(point, xyz) / dot(point, forward) + w`.
         pub pixel_x: [f32; 4],
         /// Likewise image y.
@@ -106,6 +108,8 @@ shared_struct! {
 impl Frame {
     /// Triangles of closed bodies that face away from the light are no casters; with [`Frame::VALIDITY`] they may cut facets.
     pub const CULL_BACK: u32 = 1;
+    /// Inverse depth of a near plane that nothing lies before.
+    const NO_NEAR_PLANE: f32 = 1e30;
     /// The bit from which on eight tell the layers that the light is not in.
     pub const NO_LAYERS: u32 = 24;
     /// Keep the validity mask.
@@ -178,6 +182,10 @@ impl Frame {
             ray_x: rays.step_x.extend(0.0).as_vec4().into(),
             ray_y: rays.step_y.extend(0.0).as_vec4().into(),
             forward: rays.forward.extend(f64::from(camera.near) * scale).as_vec4().into(),
+            near_plane: match camera.near_plane {
+                Some(_) => (rays.near_plane / scale).extend(0.0).as_vec4().into(),
+                None => [0.0, 0.0, 0.0, Self::NO_NEAR_PLANE],
+            },
             pixel_x: across(rays.step_x).as_vec4().into(),
             pixel_y: across(rays.step_y).as_vec4().into(),
             map_u: v.u.as_vec4().into(),

@@ -23,7 +23,7 @@ pub(crate) fn of_mesh(mesh: Mesh) -> Scene {
 
 fn of_lab(scene: lab::scene::Scene) -> Scene {
     let lab::scene::Mesh { positions, triangles } = scene.mesh;
-    let lab::scene::Camera { eye, target, up, vertical_fov_degrees, near, far, lens } = scene.camera;
+    let lab::scene::Camera { eye, target, up, vertical_fov_degrees, near, far, lens, near_plane } = scene.camera;
     let lab::scene::Lens { shift, pixel_aspect, mirrored } = lens;
     let lens = Lens { shift, pixel_aspect, mirrored };
     let light = match scene.light {
@@ -31,6 +31,6 @@ fn of_lab(scene: lab::scene::Scene) -> Scene {
         lab::scene::Light::Point { position } => Light::Point { position },
         lab::scene::Light::Spot { position, target, angle_degrees } => Light::Spot { position, target, angle_degrees },
     };
-    let camera = Camera { eye, target, up, vertical_fov_degrees, near, far, lens };
+    let camera = Camera { eye, target, up, vertical_fov_degrees, near, far, lens, near_plane };
     Scene { mesh: Mesh { positions, triangles }, camera, light }
 }

@@ -20,7 +20,16 @@ fn settings(facets: FacetMode) -> Settings {
 }
 
 fn camera(eye: [f32; 3], target: [f32; 3], fov: f32) -> Camera {
-    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees: fov, near: 1e-3, far: 1e3, lens: Lens::CENTRED }
+    Camera {
+        eye,
+        target,
+        up: [0.0, 1.0, 0.0],
+        vertical_fov_degrees: fov,
+        near: 1e-3,
+        far: 1e3,
+        lens: Lens::CENTRED,
+        near_plane: None,
+    }
 }
 
 /// A mesh, and from where it is seen.

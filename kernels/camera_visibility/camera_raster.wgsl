@@ -2,7 +2,7 @@
 // nothing divided; each edge is evaluated from its lower vertex index, so both triangles at it get the same
 // value, and a centre on it belongs to both.
 
-//@import frame facing rect work_items span
+//@import frame facing near_distance rect work_items span
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> points: array<vec4<f32>>;
@@ -55,7 +55,10 @@ fn seen_of(t: u32, block: Rect) -> Seen {
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
     let nearest = min(depths.x, min(depths.y, depths.z));
     s.nearest = max(nearest, frame.forward.w);
-    s.beyond = nearest > frame.forward.w + 1e-6 * reach;
+    let n = frame.near_plane;
+    let through = vec3(dot(a, n.xyz), dot(b, n.xyz), dot(c, n.xyz)) + n.w * depths;
+    s.beyond = nearest > frame.forward.w + 1e-6 * reach
+        && min(through.x, min(through.y, through.z)) > 1.0 + 3e-6 * reach * largest(n.xyz);
     s.farthest = max(depths.x, max(depths.y, depths.z));
     s.known = abs(s.distance) > max(doubt, 1e-5 * length(normal) * s.farthest);
     return s;
@@ -89,11 +92,12 @@ fn keys_at(s: Seen, at: vec3<f32>) -> vec3<u32> {
     let over = dot(s.normal, at);
     let depth = s.distance / over;
     let lean = s.lean / abs(over);
-    if !(abs(over) > 0.0) || !(s.beyond || depth + lean >= frame.forward.w) { return vec3(0u); }
+    let near = near_along(frame.ray_corner.xyz + at.y * frame.ray_x.xyz + at.z * frame.ray_y.xyz);
+    if !(abs(over) > 0.0) || !(s.beyond || depth + lean >= near) { return vec3(0u); }
     // A sliver's plane is poorly known; its depth lies between its corners'.
     let held = clamp(depth, s.nearest, s.farthest);
     let doubt = 1e-6 * held + min(lean, s.farthest - s.nearest);
     let keys = ~bitcast<vec2<u32>>(vec2(max(held - doubt, 0.0), held + doubt));
-    if !s.beyond && depth - lean < frame.forward.w && lean > 1e-6 * frame.forward.w { return vec3(keys, 1u); }
-    return select(vec3(0u), vec3(keys, 0u), s.beyond || depth >= frame.forward.w);
+    if !s.beyond && depth - lean < near && lean > 1e-6 * near { return vec3(keys, 1u); }
+    return select(vec3(0u), vec3(keys, 0u), s.beyond || depth >= near);
 }

@@ -1,7 +1,7 @@
 // The samples that a triangle covers in a pixel (pixel_coverage).
 
-//@import frame pixel_ray facing facing_46 double_float eye_edges eye_order_46 eye_view alpha pixel_pair
-//@import word_masks sample_copy
+//@import frame pixel_ray facing near_distance facing_46 double_float eye_edges eye_order_46 eye_view alpha
+//@import pixel_pair word_masks sample_copy
 //@needs override WORDS: u32;
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> triangles: array<vec4<u32>>;
@@ -73,11 +73,12 @@ fn decide(k: u32, pair: PixelPair, u: Corners, inside: bool, covered: ptr<functi
     let ray = ray_at(pair.pixel, sample_offset(k));
     let depth = eye_depth(u, ray);
     let word = triangles[pair.triangle].w;
+    let begin = near_along(ray);
     let hole = ALPHA != 0u && is_tested(word) && !is_solid(word, u.a, u.b, u.c, vec3(0.0), ray);
-    let there = (inside || covers_ray(u, ray)) && !hole && depth.x + depth.y >= frame.forward.w;
-    let near = is_near_open(depth);
+    let there = (inside || covers_ray(u, ray)) && !hole && depth.x + depth.y >= begin;
+    let near = is_near_open(depth, begin);
     let bit = bit_of(k);
-    if there && (near || depth.x >= frame.forward.w) { (*covered).mask |= bit; }
+    if there && (near || depth.x >= begin) { (*covered).mask |= bit; }
     if there && near { (*covered).near_open |= bit; }
 }
 
@@ -112,7 +113,9 @@ fn covered_samples(pair: PixelPair, u: Corners, view: View) -> vec4<u32> {
     if view.turn == 0.0 { inside = vec4(0u); }
     // All of it lies beyond the near distance, and it has no holes: else samples inside are asked, too.
     let slope = 0.5 * (abs(view.slopes.x) + abs(view.slopes.y));
-    let beyond = min(view.high + slope, view.highest) * frame.forward.w < 0.99999;
+    let most = min(view.high + slope, view.highest);
+    let beyond = most * frame.forward.w < 0.99999
+        && most < 0.99999 * least_inverse_near(pixel_ray(pair.pixel));
     let whole = ALPHA == 0u || !is_tested(triangles[pair.triangle].w);
     var covered = Covered(select(vec4(0u), inside, beyond && whole), vec4(0u));
     for (var left = touched & ~covered.mask; any(left != vec4(0u)); left = without_lowest(left)) {

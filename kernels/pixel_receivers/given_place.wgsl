@@ -12,16 +12,16 @@ const GIVEN_NORMALS = 2u;
 const GIVEN_IDS = 4u;
 
 struct PixelReceiversParams {
-    // At view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third
+    // At view depth z, world units, the texture holds (x * z + y) / (z' * z + w), z' being its third; x is
+    // that of the image's top left corner
     depth: vec4<f32>,
     nothing: f32,
     tolerance: f32,
     given: u32,
     first: u32,        // number of the application's first triangle
     none: u32,         // its number for no triangle
-    pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
+    pad: u32,
+    tilt: vec2<f32>,   // what x gains per pixel right, per pixel down
 }
 
 const NOTHING = 0u;
@@ -53,7 +53,8 @@ fn place_at(at: vec2<i32>) -> Place {
         p.depth = dot(p.point, frame.forward.xyz);
     } else {
         if texel.x == params.nothing { p.what = NOTHING; }
-        let under = texel.x * params.depth.z - params.depth.x;
+        let v = vec2<f32>(at) + vec2(0.5, 0.5 + f32(frame.first_row));
+        let under = texel.x * params.depth.z - (params.depth.x + dot(v, params.tilt));
         if p.what == NOTHING || !is_finite(texel.x) || under == 0.0 { return p; }
         let depth = (params.depth.y - texel.x * params.depth.w) / under;
         p.depth = depth * frame.eye.w;

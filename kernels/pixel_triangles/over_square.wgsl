@@ -1,6 +1,6 @@
 // A triangle over the squares of pixels: whether it touches one, covers it, and how far off it is there.
 
-//@import frame facing eye_edges
+//@import frame facing near_distance eye_edges
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> triangles: array<vec4<u32>>;
 //@needs var<storage, read> points: array<vec4<f32>>;
@@ -23,6 +23,7 @@ struct Seen {
     nearest: f32,
     farthest: f32,
     turn: f32,                   // which sign is inside; 0: not known
+    near: vec4<f32>,             // inverse_near likewise, and how much less it may be over a square
 }
 
 fn middle() -> vec2<f32> {
@@ -53,6 +54,10 @@ fn seen_triangle(t: u32) -> Seen {
     let depths = vec3(dot(a, frame.forward.xyz), dot(b, frame.forward.xyz), dot(c, frame.forward.xyz));
     s.nearest = min(depths.x, min(depths.y, depths.z));
     s.farthest = max(depths.x, max(depths.y, depths.z));
+    let n = frame.near_plane.xyz;
+    let across = vec2(dot(n, frame.ray_x.xyz), dot(n, frame.ray_y.xyz));
+    s.near = vec4(inverse_near(ray), across,
+        0.5 * (abs(across.x) + abs(across.y)) + 2e-6 * largest(n) * (wide + largest(ray)));
     return s;
 }
 
@@ -85,6 +90,7 @@ fn over_square(s: Seen, x: u32, y: u32) -> Over {
     }
     out.nearest = out.nearest - 2e-6 * abs(out.nearest);
     out.farthest = out.farthest + 2e-6 * abs(out.farthest);
-    out.covers = out.covers && out.nearest > frame.forward.w * MARGIN;
+    out.covers = out.covers && out.nearest > frame.forward.w * MARGIN
+        && out.nearest * (dot(s.near.xyz, at) - s.near.w) > MARGIN;
     return out;
 }

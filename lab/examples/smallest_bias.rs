@@ -93,6 +93,7 @@ impl Plane {
             near: 0.1,
             far: 100.0,
             lens: Lens::CENTRED,
+            near_plane: None,
         };
         Ok(Self { prepared, camera, own })
     }

@@ -29,6 +29,7 @@ const CAMERA: Camera = Camera {
     near: 0.1,
     far: 100.0,
     lens: Lens::CENTRED,
+    near_plane: None,
 };
 const LIGHT: Light = Light::Directional { direction: [0.3, 0.5, 1.0] };
 const TURNS: usize = 5;

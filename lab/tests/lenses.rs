@@ -1,5 +1,6 @@
 //! Cameras that are jittered, off-centre, mirrored or of oblong pixels, each held against facet truth, scene truth and seen truth.
 
+use glam::Vec3;
 use lab::fuzz::{FuzzCase, FuzzDevice, How, Kind, World, judge};
 use lab::scene::{CameraOverride, Lens, builtin};
 use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
@@ -71,6 +72,51 @@ fn lenses_of_any_shape_are_exact() {
         for facets in [FacetMode::All, FacetMode::One] {
             holds(&bench, name, facets, lens);
         }
+    }
+}
+
+/// The built-in scene with its camera behind an oblique near plane through a place between eye and target.
+fn behind(name: &str, facets: FacetMode, share: f32, tilt: [f32; 3]) -> FuzzCase {
+    let mut case = case(name, facets, Lens::CENTRED);
+    let [eye, target] = [case.world.camera.eye, case.world.camera.target].map(|p| Vec3::from(p.expect("a place")));
+    let normal = (target - eye).normalize() + Vec3::from(tilt);
+    let at = eye + share * (target - eye);
+    case.world.camera.near_plane = Some(normal.extend(-normal.dot(at)).into());
+    case
+}
+
+/// What lies before an oblique near plane is not seen and casts shadows all the same, whether the plane cuts a little off, much, or all in
+/// a part of the image.
+#[gpu_test]
+fn oblique_near_planes_are_exact() {
+    let bench = FuzzDevice::new(gpu());
+    for (name, share, tilt) in [
+        ("windmill", 0.9, [0.3, 0.2, 0.0]),
+        ("bicycle", 0.95, [0.0, -0.4, 0.1]),
+        ("cage", 1.0, [0.5, 0.5, -0.5]),
+        ("spheres", 0.8, [-1.5, 1.5, 0.3]),
+    ] {
+        for facets in [FacetMode::All, FacetMode::One] {
+            let case = behind(name, facets, share, tilt);
+            let shot = bench.render(&case).expect("a frame");
+            let verdict = judge(&case, &shot).expect("a judgement");
+            assert!(verdict.figures.compared > 1000, "{name}, {facets:?}: {:?}", verdict.figures);
+            assert!(!verdict.fails(), "{name}, {facets:?}: {:?}", verdict.faults);
+        }
+    }
+}
+
+/// With the truth of the camera without its oblique near plane, or of one that is a little off, a frame is wrong.
+#[gpu_test]
+fn the_oblique_near_plane_is_looked_at() {
+    let bench = FuzzDevice::new(gpu());
+    let case = behind("windmill", FacetMode::All, 0.9, [0.3, 0.2, 0.0]);
+    let mut shot = bench.render(&case).expect("a frame");
+    assert!(judge(&case, &shot).is_ok_and(|verdict| !verdict.fails()));
+    let own = shot.scene.camera.near_plane.expect("a plane");
+    for plane in [None, Some([own[0], own[1], own[2], own[3] * 0.99])] {
+        shot.scene.camera.near_plane = plane;
+        assert!(judge(&case, &shot).is_ok_and(|verdict| verdict.fails()), "{plane:?}");
     }
 }
 

@@ -54,9 +54,9 @@ pub mod camera_visibility {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
         "shared/frame/pixel_ray", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
-        "shared/frame/facing_46", "shared/facet/eye_order_46", "shared/raster/rect", "shared/raster/work_items",
-        "shared/raster/span", "camera_visibility/camera_raster", "shared/alpha", "shared/frame/frame_copy",
-        "camera_visibility",
+        "shared/frame/facing_46", "shared/frame/near_distance", "shared/facet/eye_order_46", "shared/raster/rect",
+        "shared/raster/work_items", "shared/raster/span", "camera_visibility/camera_raster", "shared/alpha",
+        "shared/frame/frame_copy", "camera_visibility",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1150,9 +1150,10 @@ pub mod pixel_coverage {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46",
-        "shared/facet/eye_edges", "shared/facet/eye_order_46", "pixel_coverage/eye_view", "shared/alpha",
-        "shared/raster/pixel_pair", "shared/raster/covering", "shared/math/word_masks", "shared/frame/frame_copy",
-        "shared/frame/sample_copy", "pixel_coverage/covered_samples", "pixel_coverage",
+        "shared/facet/eye_edges", "shared/frame/near_distance", "shared/facet/eye_order_46",
+        "pixel_coverage/eye_view", "shared/alpha", "shared/raster/pixel_pair", "shared/raster/covering",
+        "shared/math/word_masks", "shared/frame/frame_copy", "shared/frame/sample_copy",
+        "pixel_coverage/covered_samples", "pixel_coverage",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1343,8 +1344,8 @@ pub mod pixel_triangles {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/frame/pass",
         "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/frame/facing",
-        "shared/facet/eye_edges", "shared/raster/block_bits", "pixel_triangles/over_square",
-        "shared/raster/pixel_pair", "pixel_triangles",
+        "shared/facet/eye_edges", "shared/raster/block_bits", "shared/frame/near_distance",
+        "pixel_triangles/over_square", "shared/raster/pixel_pair", "pixel_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1845,11 +1846,11 @@ pub mod sample_surfaces {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/facet/facet", "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex",
-        "shared/frame/facing_46", "shared/facet/eye_edges", "shared/facet/eye_order_46", "shared/raster/covering",
-        "shared/math/word_masks", "shared/frame/frame_copy", "shared/frame/sample_copy",
-        "sample_surfaces/surface_step", "sample_surfaces/word_offsets", "sample_surfaces/pixel_entries",
-        "sample_surfaces/nearest_entry", "sample_surfaces/contested_entry", "sample_surfaces/facet_span",
-        "sample_surfaces",
+        "shared/frame/facing_46", "shared/facet/eye_edges", "shared/frame/near_distance",
+        "shared/facet/eye_order_46", "shared/raster/covering", "shared/math/word_masks", "shared/frame/frame_copy",
+        "shared/frame/sample_copy", "sample_surfaces/surface_step", "sample_surfaces/word_offsets",
+        "sample_surfaces/pixel_entries", "sample_surfaces/nearest_entry", "sample_surfaces/contested_entry",
+        "sample_surfaces/facet_span", "sample_surfaces",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,

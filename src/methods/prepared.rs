@@ -178,7 +178,8 @@ impl Prepared {
     /// behind one that does not. Its eye is outside all of these, and none comes nearer to it than the near distance in any corner of
     /// an image of this size.
     pub(crate) fn hides_backs(&self, camera: &Camera, [width, height]: [u32; 2]) -> bool {
-        if !self.bodies.contains(&true) {
+        // An oblique near plane may cut bodies open.
+        if camera.near_plane.is_some() || !self.bodies.contains(&true) {
             return false;
         }
         let rays = camera.rays(width, height.max(1));

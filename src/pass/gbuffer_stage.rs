@@ -29,6 +29,8 @@ pub struct GbufferStage {
 #[derive(Clone, Copy)]
 pub struct With<'a> {
     pub method: &'a StripMethod,
+    /// Width and height of the whole image.
+    pub size: [u32; 2],
     pub casters: &'a CasterSet,
     pub faults: &'a Buffer<u32>,
     /// Whether the strip before has found what the light sees.
@@ -133,12 +135,12 @@ impl Receivers {
     }
 
     fn record(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: &SurfaceTextures, with: With) -> Result<()> {
-        let With { method, casters, faults, .. } = with;
+        let With { method, size, casters, faults, .. } = with;
         let (place, mut params) = match given.place {
-            SurfacePosition::Depth { texture, terms, nothing } => (
-                first_level(texture),
-                PixelReceiversParams { depth: terms.words(), nothing, ..PixelReceiversParams::default() },
-            ),
+            SurfacePosition::Depth { texture, terms, nothing } => {
+                let (depth, tilt) = terms.over_image(size);
+                (first_level(texture), PixelReceiversParams { depth, tilt, nothing, ..PixelReceiversParams::default() })
+            }
             SurfacePosition::Position(texture) => (
                 first_level(texture),
                 PixelReceiversParams { given: GIVEN_POSITIONS, ..PixelReceiversParams::default() },

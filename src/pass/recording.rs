@@ -211,7 +211,7 @@ impl ShadowPass {
             }
             let maps = maps.source_of(strip);
             let offsets = self.settings.samples.offsets();
-            let with = With { method, casters, faults, maps, extent, kept, further };
+            let with = With { method, size: self.settings.size, casters, faults, maps, extent, kept, further };
             self.seen.record(rec, &inputs.gbuffer, offsets, with)?;
             if let (Some([point, points]), Some(sums)) = (point, &self.sums) {
                 // Strips share rows: each has sums of its own.

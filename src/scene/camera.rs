@@ -25,6 +25,10 @@ pub struct Camera {
     /// Part of the image plane that the image shows.
     #[cfg_attr(feature = "serde", serde(default))]
     pub lens: Lens,
+    /// An oblique near plane besides, as a mirror or a portal needs: `[a, b, c, d]`, world units. Surfaces where `a x + b y + c z + d < 0` are not
+    /// seen either; they cast shadows all the same. The eye lies on that side. What is within 10^-6 of the plane may be on either side.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub near_plane: Option<[f32; 4]>,
 }
 
 /// Part of the image plane that an image shows, and the shape of its pixels. The default is centred on the view direction, with square pixels.
@@ -90,6 +94,11 @@ pub struct PixelRays {
     pub step_y: DVec3,
     /// Unit view direction.
     pub forward: DVec3,
+    /// View depth from which on surfaces are seen ([`Camera::near`]).
+    pub near: f64,
+    /// The oblique near plane: surfaces are seen from the view depth on whose inverse is the dot product of this with the ray's direction, and nowhere
+    /// where that is not above 0; 0 without such a plane.
+    pub near_plane: DVec3,
 }
 
 impl PixelRays {
@@ -97,6 +106,16 @@ impl PixelRays {
     #[inline]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         self.corner + self.step_x * x + self.step_y * y
+    }
+
+    /// View depth from which on a ray of this direction sees surfaces, infinite where it sees none.
+    #[inline]
+    pub fn begin(&self, direction: DVec3) -> f64 {
+        if self.near_plane == DVec3::ZERO {
+            return self.near;
+        }
+        let inverse = self.near_plane.dot(direction);
+        if inverse > 0.0 { self.near.max(1.0 / inverse) } else { f64::INFINITY }
     }
 
     /// Rays through the corners of an image of `width` x `height` pixels: top left, top right, bottom right, bottom left.
@@ -116,7 +135,7 @@ impl Camera {
     ///
     /// # Errors
     /// [`Error::Scene`] with the numbers if a value is not finite, the view direction has length 0 or is parallel to
-    /// `up`, the field of view is outside (0, 180) degrees, or `0 < near < far` does not hold.
+    /// `up`, the field of view is outside (0, 180) degrees, `0 < near < far` does not hold, or the near plane has the eye on the side that is seen.
     pub fn check(&self) -> Result<()> {
         let all = [self.eye, self.target, self.up];
         for (what, v) in ["eye", "target", "up"].iter().zip(all) {
@@ -148,12 +167,28 @@ impl Camera {
                 self.up[0], self.up[1], self.up[2], view.x, view.y, view.z
             )));
         }
+        if let Some([a, b, c, d]) = self.near_plane {
+            let hidden = self.behind_near_plane();
+            if !(hidden > 0.0 && hidden.is_finite() && [a, b, c] != [0.0; 3]) {
+                return Err(Error::Scene(format!(
+                    "camera near plane ({a}, {b}, {c}, {d}) does not have the eye ({}, {}, {}) on its hidden side",
+                    self.eye[0], self.eye[1], self.eye[2]
+                )));
+            }
+        }
         self.lens.check()
+    }
+
+    /// How far the eye is behind its oblique near plane, in units of the plane's normal; 0 without one.
+    fn behind_near_plane(&self) -> f64 {
+        let Some(plane) = self.near_plane else { return 0.0 };
+        let [a, b, c, d] = plane.map(f64::from);
+        -(DVec3::new(a, b, c).dot(Vec3::from(self.eye).as_dvec3()) + d)
     }
 
     /// A camera at `eye` that looks at `target`, centred, with square pixels. It sees surfaces from `near` on.
     pub fn look_at(eye: [f32; 3], target: [f32; 3], up: [f32; 3], vertical_fov_degrees: f32, near: f32) -> Self {
-        Self { eye, target, up, vertical_fov_degrees, near, far: f32::MAX, lens: Lens::CENTRED }
+        Self { eye, target, up, vertical_fov_degrees, near, far: f32::MAX, lens: Lens::CENTRED, near_plane: None }
     }
 
     /// The rays of an image of `width` × `height` pixels.
@@ -178,6 +213,10 @@ impl Camera {
             step_x: x_axis * (2.0 / w),
             step_y: y_axis * (-2.0 / h),
             forward,
+            near: f64::from(self.near),
+            near_plane: self
+                .near_plane
+                .map_or(DVec3::ZERO, |[a, b, c, _]| DVec3::from([a, b, c].map(f64::from)) / self.behind_near_plane()),
         }
     }
 
@@ -197,6 +236,7 @@ impl Camera {
             near: (distance * 1e-3) as f32,
             far: (distance * 100.0) as f32,
             lens: Lens::CENTRED,
+            near_plane: None,
         }
     }
 

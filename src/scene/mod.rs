@@ -19,3 +19,4 @@ pub use camera::{Camera, Lens, PixelRays};
 pub use light::Light;
 pub use mesh::{Ground, Mesh};
 pub use projection::PerspectiveTerms;
+pub(crate) use projection::inverse_near;

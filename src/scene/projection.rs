@@ -16,8 +16,10 @@ pub struct PerspectiveTerms {
     pub turned: [f64; 2],
     /// Sign of the view direction along z: -1 right-handed, 1 left-handed.
     pub ahead: f64,
-    /// Depth at view depth `d`, as `(a d + b) / (c d)`.
+    /// Depth at view depth `d`, as `(a d + b) / (c d)`, in the image's middle.
     pub depth: [f64; 3],
+    /// By how much `a` grows from there to the image's right end and to its top: not 0 where the near plane is oblique.
+    pub tilt: [f64; 2],
 }
 
 impl PerspectiveTerms {
@@ -25,7 +27,7 @@ impl PerspectiveTerms {
     ///
     /// # Errors
     /// [`Error::Config`], with the numbers, for what no [`Camera`] can say: a projection that is not finite or orthographic, turned, sheared or
-    /// flat, seen from elsewhere than the origin, or with a near plane that is oblique.
+    /// flat, or seen from elsewhere than the origin.
     pub fn new(matrix: &[[f32; 4]; 4]) -> Result<Self> {
         let refuse = |why: String| Err(Error::Config(format!("projection: {why}")));
         if !matrix.iter().flatten().all(|c| c.is_finite()) {
@@ -37,9 +39,6 @@ impl PerspectiveTerms {
         }
         if w[2] == 0.0 {
             return refuse(format!("its divisor, row {w:?}, is not of a perspective one: the camera is orthographic"));
-        }
-        if z[0] != 0.0 || z[1] != 0.0 {
-            return refuse(format!("its depth, row {z:?}, depends on x or y: the near plane is oblique"));
         }
         if x[3] != 0.0 || y[3] != 0.0 || w[3] != 0.0 {
             return refuse(format!("its eye is not the origin: it adds ({}, {}) and divides by {}", x[3], y[3], w[3]));
@@ -54,12 +53,16 @@ impl PerspectiveTerms {
         }
         // A point ahead has a positive divisor.
         let ahead = by_depth.signum();
+        // Depth by x and y of clip space, which grow with the view depth.
+        let by = [(z[0], x[0]), (z[1], y[1])].map(|(depth, place)| f64::from(depth) / f64::from(place));
+        let straight = f64::from(z[2]) - by[0] * f64::from(x[2]) - by[1] * f64::from(y[2]);
         Ok(Self {
             focal: scales.map(f64::abs),
             shift: [x[2], y[2]].map(|c| -f64::from(c) / by_depth),
             turned: scales.map(f64::signum),
             ahead,
-            depth: [f64::from(z[2]) * ahead, f64::from(z[3]), by_depth.abs()],
+            depth: [straight * ahead, f64::from(z[3]), by_depth.abs()],
+            tilt: by.map(|by| by * by_depth.abs()),
         })
     }
 
@@ -68,7 +71,13 @@ impl PerspectiveTerms {
         self.ahead * self.turned[0] * self.turned[1] > 0.0
     }
 
-    /// Nearest and farthest view depth; infinity where there is no farthest.
+    /// Inverse view depth of the near plane in the image's middle, and what it gains from there to the right end and to the top. The near plane is
+    /// the one of depth 0 or 1 that has the eye on its hidden side.
+    pub fn near_plane(&self) -> [f64; 3] {
+        inverse_near(self.depth, self.tilt)
+    }
+
+    /// Nearest and farthest view depth; infinity where there is no farthest. Of a projection whose near plane is not oblique.
     ///
     /// # Errors
     /// [`Error::Config`] if depth does not lie between 0 and 1 from a positive distance on.
@@ -85,14 +94,18 @@ impl PerspectiveTerms {
     }
 }
 
+/// [`PerspectiveTerms::near_plane`] of its `depth` and `tilt`.
+pub(crate) fn inverse_near([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 3] {
+    if b < 0.0 { [a, x, y].map(|of| -of / b) } else { [c - a, -x, -y].map(|of| of / b) }
+}
+
 impl Camera {
     /// The camera of a view matrix (world to view space) and a projection (view to clip space as wgpu has it), of an image of `width` x
-    /// `height` pixels. Off-centre, jittered, left-handed, with oblong pixels, infinite or reversed depth: all of these. Surfaces nearer than the
-    /// near plane are not seen; there is no far plane. Eye and directions are rounded to `f32`, as the matrices are.
+    /// `height` pixels. Off-centre, jittered, left-handed, with oblong pixels, infinite or reversed depth, an oblique near plane: all of these. Surfaces
+    /// nearer than the near plane are not seen; there is no far plane. Eye and directions are rounded to `f32`, as the matrices are.
     ///
     /// # Errors
-    /// [`Error::Config`], with the numbers, for an orthographic projection, an oblique near plane, and what else no camera can say
-    /// ([`PerspectiveTerms::new`]); for a view that is no turn, shift and even scale, or mirrored (which the projection may be). [`Error::Scene`] as
+    /// [`Error::Config`], with the numbers, for an orthographic projection and what else no camera can say ([`PerspectiveTerms::new`]); for a view that is no turn, shift and even scale, or mirrored (which the projection may be). [`Error::Scene`] as
     /// [`Camera::check`].
     pub fn of_matrices(view: &[[f32; 4]; 4], projection: &[[f32; 4]; 4], [width, height]: [u32; 2]) -> Result<Self> {
         let projection = PerspectiveTerms::new(projection)?;
@@ -115,7 +128,8 @@ impl Camera {
         if turn.determinant() < 0.0 {
             return refuse("it is mirrored: a left-handed camera has a left-handed projection".to_owned());
         }
-        let [near, far] = projection.range()?;
+        let oblique = projection.tilt != [0.0; 2];
+        let [near, far] = if oblique { [scale, f64::INFINITY] } else { projection.range()? };
         let [_, up, back] = turn.transpose().to_cols_array_2d().map(|row| DVec3::from(row) / scale);
         let eye = (turn.inverse() * -columns[3]).as_vec3();
         let forward = back * projection.ahead;
@@ -137,8 +151,36 @@ impl Camera {
                 pixel_aspect: if (aspect - 1.0).abs() < 1e-6 { 1.0 } else { aspect as f32 },
                 mirrored: projection.mirrors(),
             },
+            near_plane: None,
         };
+        camera.check()?;
+        if !oblique {
+            return Ok(camera);
+        }
+        let camera = camera.behind(projection.near_plane().map(|of| of * scale), [width, height])?;
         camera.check().map(|()| camera)
+    }
+
+    /// This camera with the oblique near plane that the image of `width` x `height` pixels says: its inverse view depth in the middle, and what
+    /// that gains to the right end and to the top.
+    fn behind(self, [middle, right, top]: [f64; 3], [width, height]: [u32; 2]) -> Result<Self> {
+        let rays = self.rays(width, height);
+        let [by_x, by_y] = [right * 2.0 / f64::from(width), -top * 2.0 / f64::from(height)];
+        let image = DMat3::from_cols(rays.corner, rays.step_x, rays.step_y).transpose();
+        let plane = image.inverse() * DVec3::new(middle - right + top, by_x, by_y);
+        let length = plane.length();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(Error::Config(format!(
+                "projection: its near plane has an inverse depth of {middle} in the image's middle, {right} more at its right end and {top} more at its top"
+            )));
+        }
+        let normal = plane / length;
+        // Nothing in the image is nearer, and the eye is.
+        let inverse = rays.corners(width, height).map(|ray| plane.dot(ray)).into_iter().fold(0.0, f64::max);
+        let near = if inverse > 0.0 { (0.999 / inverse).clamp(1e-30, 1e30) } else { 1.0 };
+        let offset = -1.0 / length - normal.dot(rays.eye);
+        let near_plane = Some([normal.x, normal.y, normal.z, offset].map(|c| c as f32));
+        Ok(Self { near: near as f32, near_plane, ..self })
     }
 
     /// The view matrix: world to view space, the eye at the origin, the view along `-z`, y up.
@@ -261,7 +303,6 @@ mod tests {
                 (3, 3, 0.75, "divides by 0.75"),
                 (1, 0, 0.0625, "0.0625"),
                 (0, 1, 0.03125, "0.03125"),
-                (0, 2, 0.5, "oblique"),
                 (1, 3, 0.5, "0.5"),
                 (1, 1, 0.0, "y by 0"),
                 (1, 1, f32::NAN, "NaN"),

@@ -28,7 +28,7 @@ use crate::shared_struct;
 shared_struct! {
     /// Contents of an application's textures.
     "pixel_receivers/given_place" => pub struct PixelReceiversParams {
-        /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`.
+        /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`; `[0]` is that of the image's top left corner.
         pub depth: [f32; 4],
         /// The depth for no surface.
         pub nothing: f32,
@@ -41,11 +41,9 @@ shared_struct! {
         /// Its number for no triangle of the casters.
         pub none: u32,
         /// Unused.
-        pub pad_0: u32,
-        /// Unused.
-        pub pad_1: u32,
-        /// Unused.
-        pub pad_2: u32,
+        pub pad: u32,
+        /// By how much `depth[0]` grows per pixel right and per pixel down: of an oblique near plane.
+        pub tilt: [f32; 2],
     }
 }
 

@@ -79,6 +79,7 @@ impl Scene {
             near: 0.01,
             far: 100.0,
             lens: Lens::CENTRED,
+            near_plane: None,
         };
         let [x, z] = [(1.7 * t).sin(), (1.7 * t).cos()];
         let light = match leg % 3 {

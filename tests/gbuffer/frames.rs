@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::receivers::judged;
-use glam::Mat4;
 use glam::camera::{lh::proj::directx as lh, lh::view as left_view, rh::proj::directx as rh, rh::view as right_view};
+use glam::{Mat4, Vec4};
 
 const TARGET: [u32; 2] = [140, 90];
 pub(crate) const ORIGIN: [u32; 2] = [29, 13];
@@ -180,6 +180,21 @@ impl Drawn {
     }
 }
 
+/// A projection with the near plane exchanged for another, of view space, as Lengyel (2005) does: depth is 0 on it and at most 1 in the image.
+fn behind(projection: Mat4, plane: Vec4) -> Mat4 {
+    let corner = Vec4::new(plane.x.signum(), plane.y.signum(), 1.0, 1.0);
+    let farthest = projection.inverse() * corner;
+    let row = plane * (projection.row(3).dot(farthest) / plane.dot(farthest));
+    let [x, y, w] = [0, 1, 3].map(|k| projection.row(k));
+    Mat4::from_cols(x, y, row, w).transpose()
+}
+
+/// Depth turned round, from 1 to 0.
+fn turned_round(projection: Mat4) -> Mat4 {
+    let [x, y, z, w] = [0, 1, 2, 3].map(|k| projection.row(k));
+    Mat4::from_cols(x, y, w - z, w).transpose()
+}
+
 /// The application's cameras: a scene from its own camera's place, by every kind of projection.
 pub(crate) fn eyes(scene: &Scene) -> Vec<Eye> {
     let (eye, target) = (Vec3::from(scene.camera.eye), Vec3::from(scene.camera.target));
@@ -188,6 +203,13 @@ pub(crate) fn eyes(scene: &Scene) -> Vec<Eye> {
     let (fov, aspect) = (scene.camera.vertical_fov_degrees.to_radians(), SIZE[0] as f32 / SIZE[1] as f32);
     let near = 0.02 * (target - eye).length();
     let wide = near * (fov * 0.5).tan();
+    // Cuts the scene's near side off.
+    let plane = |view: Mat4| {
+        let normal = (target - eye).normalize() + 0.4 * up.normalize();
+        let plane = normal.extend(-normal.dot(eye + 0.93 * (target - eye)));
+        view.inverse().transpose() * plane
+    };
+    let standard = |of: Mat4| behind(of, plane(right));
     let reversed = rh::perspective_infinite_reverse(fov, aspect, near);
     vec![
         Eye { name: "reversed, infinite", view: right, projection: reversed, nothing: 0.0 },
@@ -204,6 +226,18 @@ pub(crate) fn eyes(scene: &Scene) -> Vec<Eye> {
             view: right,
             projection: rh::perspective_infinite(fov, 0.6 * aspect, near),
             nothing: 1.0,
+        },
+        Eye {
+            name: "oblique",
+            view: right,
+            projection: standard(rh::perspective(fov, aspect, near, 1e2)),
+            nothing: 1.0,
+        },
+        Eye {
+            name: "oblique, reversed, off-centre",
+            view: right,
+            projection: turned_round(standard(rh::frustum(-0.9 * wide, 1.3 * wide, -1.1 * wide, wide, near, 1e2))),
+            nothing: 0.0,
         },
         Eye {
             name: "upside down",

@@ -2,6 +2,7 @@
 //! pixel of an edge or has two depths too near to tell; and no pixel that a surface covers goes without a triangle.
 
 use crate::support::geometry::{Case, MESHES, Ran, add, ball, fan, light, mesh, run_all};
+use crate::support::meshes::oblique;
 use crate::support::{gpu, sizes_around, small_gpu};
 use oracle::reference::camera_visibility::{DepthMargin, nearest};
 use subpixel_shadows::glam::DVec3;
@@ -264,6 +265,22 @@ fn near_distance() {
         let surfaces = of_each.iter().filter(|&&n| n > 100).count();
         assert!(open * 4 < seen.len() && surfaces >= 3, "near {near}, lean {lean}: {open} open, {of_each:?}");
         assert!(ran.noted > 100, "{} pixels are in doubt", ran.noted);
+    }
+}
+
+/// What lies before an oblique near plane is not seen, whether that cuts triangles or hides all in a part of the image.
+#[gpu_test]
+fn an_oblique_near_plane() {
+    for (name, seed) in [("closed balls", 1), ("huge", 2), ("contact", 3)] {
+        for (share, tilt) in [(1.0, [0.4, 0.3, -0.2]), (0.9, [-2.0, 0.5, 1.0]), (0.5, [0.0; 3])] {
+            let mut case = Case::new(&mesh(name, seed), light(0), [101, 77], 8);
+            case.camera.near_plane = oblique(&case.camera, share, tilt);
+            let ran = check(gpu(), &case, 0.05);
+            if share == 1.0 {
+                case.camera.near_plane = None;
+                assert!(compare(&case, &ran).is_err(), "{name}: the plane hides nothing");
+            }
+        }
     }
 }
 

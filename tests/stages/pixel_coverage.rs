@@ -2,6 +2,7 @@
 //! within 1/256 pixel; and bounds of the depth there.
 
 use crate::support::geometry::{Case, MESHES, add, ball, fan, light, mesh};
+use crate::support::meshes::oblique;
 use crate::support::surfaces::{Found, find, find_with_stale, find_within, pattern};
 use crate::support::{gpu, sizes_around, small_gpu};
 use oracle::reference::camera_visibility::DepthMargin;
@@ -114,6 +115,21 @@ fn degenerate() {
         for near in [1e-1, 1e-3] {
             (case.camera.near, case.camera.far) = (near, 1e9);
             check(gpu(), &case, 32);
+        }
+    }
+}
+
+/// What lies before an oblique near plane covers nothing, whether that cuts triangles or hides all in a part of the image.
+#[gpu_test]
+fn an_oblique_near_plane() {
+    for (name, seed) in [("closed balls", 2), ("huge", 1)] {
+        for (share, tilt) in [(1.0, [0.4, 0.3, -0.2]), (0.9, [-2.0, 0.5, 1.0])] {
+            let mut case = Case::new(&mesh(name, seed), light(0), [61, 45], 8);
+            case.camera.near_plane = oblique(&case.camera, share, tilt);
+            let (found, sure) = check(gpu(), &case, 32);
+            assert!(sure > 100, "{name}, {share}: {sure} samples");
+            case.camera.near_plane = None;
+            assert!(compare(&case, &found, &pattern(32)).is_err(), "{name}, {share}: the plane hides nothing");
         }
     }
 }

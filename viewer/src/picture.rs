@@ -63,7 +63,7 @@ pub struct Shown<'a> {
 impl Uniform {
     fn new(shot: &Shot, size: [u32; 2], halves: [Shown; 2]) -> Result<Self> {
         let Shot { camera, light, wipe, overlay } = *shot;
-        let projection = DepthTerms::reversed_infinite(camera.near).projection(&camera, size)?;
+        let projection = DepthTerms::of_camera(&camera, size).projection(&camera, size)?;
         let clip = Mat4::from_cols_array_2d(&projection) * Mat4::from_cols_array_2d(&camera.view());
         let [ex, ey, ez] = camera.eye;
         let none = [0.0, 0.0, 0.0, -2.0];

@@ -102,8 +102,8 @@ const TWO_STEP: &str = "128 samples by two projections, for comparison";
 pub const EXCEPTIONS: &[Exception] = &[
     except("candidate_pairs.cull", Figure::Waves, [14, 3], NEAR),
     except("facet_classify.classify", Figure::Waves, [12, 3], NEAR),
-    except("pixel_coverage.cover", Figure::Code, [19924, 19960], SAMPLES_4),
-    except("pixel_coverage.cover with holes", Figure::Code, [21892, 21932], SAMPLES_4),
+    except("pixel_coverage.cover", Figure::Code, [20172, 20212], SAMPLES_4),
+    except("pixel_coverage.cover with holes", Figure::Code, [22140, 22180], SAMPLES_4),
     except("pixel_texel_pairs.count", Figure::Waves, [14, 3], NEAR),
     except("pixel_texel_pairs.emit_rest", Figure::Waves, [14, 3], NEAR),
     except("sample_bins.refine_all", Figure::SpilledScalar, [2, 12], BITS_46),

@@ -82,9 +82,9 @@ fn eye_depth(given: Corners, ray: vec3<f32>) -> vec2<f32> {
 // 2^-20: relative difference of depths, besides their doubts, that single precision is not asked about
 const TOUCHING = 9.5367432e-7;
 
-// Whether single precision leaves open if a depth, with its doubt, lies beyond the near distance.
-fn is_near_open(depth: vec2<f32>) -> bool {
-    return depth.x - depth.y < frame.forward.w && depth.y > TOUCHING * frame.forward.w;
+// Whether single precision leaves open if a depth, with its doubt, lies beyond the near distance of its ray.
+fn is_near_open(depth: vec2<f32>, near: f32) -> bool {
+    return depth.x - depth.y < near && depth.y > TOUCHING * near;
 }
 
 // Whether a triangle is where the ray is, its edges included.

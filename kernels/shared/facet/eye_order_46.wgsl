@@ -1,7 +1,6 @@
 // Which of planes is nearer to the eye along a ray, with 46 bits.
 
-//@import frame facing double_float facing_46
-//@needs var<uniform> frame: Frame;
+//@import facing near_distance double_float facing_46
 
 // Below 0 if the plane of `i` is nearer along the ray than that of `j`, above 0 if it is farther, 0 if that
 // is not certain.
@@ -30,7 +29,7 @@ fn order_46(i: vec3<u32>, j: vec3<u32>, ray: vec3<f32>) -> f32 {
 fn is_beyond_near_46(i: vec3<u32>, ray: vec3<f32>) -> bool {
     let n = full_normal(i);
     let over = df3_along(n, ray);
-    let s = df_add_fast(df3_dot(n, full_point_of(i.x)), -df_scale(over, frame.forward.w));
+    let s = df_add_fast(df3_dot(n, full_point_of(i.x)), -df_scale(over, near_along(ray)));
     return s.x * sign(over.x) >= 0.0 && over.x != 0.0;
 }
 

@@ -13,6 +13,7 @@ struct Frame {
     ray_x: vec4<f32>,        // change of direction for one pixel to the right
     ray_y: vec4<f32>,        // change of direction for one pixel down
     forward: vec4<f32>,      // xyz: view direction; w: near distance
+    near_plane: vec4<f32>,   // inverse depth of the oblique near plane on a ray = dot(ray, xyz) + w
     pixel_x: vec4<f32>,      // image x of a point = dot(point, xyz) / dot(point, forward) + w
     pixel_y: vec4<f32>,
     map_u: vec4<f32>,        // light view: texel x = (dot(point, xyz) + w) / light w

@@ -113,6 +113,7 @@ pub fn axes(sizes: Sizes, files: &[String]) -> Vec<Axis> {
         near: 0.05,
         far: 1e4,
         lens: Lens::CENTRED,
+        near_plane: None,
     };
     let mut views = vec![city(1.0, "`city` from above", None), city(2.0, "`city` from the street", Some(street))];
     views.extend(files.iter().zip(3u8..).map(|(file, x)| {
@@ -164,6 +165,7 @@ fn scene_of(name: &str, mesh: Mesh, degrees: f64) -> Result<Scene> {
         near: 0.05,
         far: 100.0,
         lens: Lens::CENTRED,
+        near_plane: None,
     };
     Ok(scene)
 }

@@ -132,6 +132,10 @@ fn toml(case: &FuzzCase) -> String {
     if let Some(mirrored) = world.camera.mirrored {
         let _ = writeln!(text, "mirrored = {mirrored}");
     }
+    if let Some(plane) = world.camera.near_plane {
+        let [a, b, c, d] = plane.map(f64::from);
+        let _ = writeln!(text, "near_plane = [{a:?}, {b:?}, {c:?}, {d:?}]");
+    }
     text += "\n[light]\n";
     let _ = match world.light {
         Light::Directional { direction } => writeln!(text, "directional = {}", vector(direction)),

@@ -95,12 +95,24 @@ pub fn camera(r: &mut Random, mesh: &Mesh) -> CameraOverride {
 fn through_lens(r: &mut Random, camera: CameraOverride) -> CameraOverride {
     let shift = [0, 1].map(|_| r.between(-1.0, 1.0));
     let by = |size: f64| CameraOverride { shift: Some(shift.map(|c| (c * size) as f32)), ..camera };
-    match r.whole(0, 3) {
+    match r.whole(0, 4) {
         0 => by(0.02),
         1 => by(0.5),
         2 => by(3.0),
+        3 => CameraOverride { near_plane: near_plane(r, &camera), ..camera },
         _ => CameraOverride { pixel_aspect: Some(r.by_size(0.1, 10.0) as f32), ..camera },
     }
+}
+
+/// An oblique near plane that faces away from the eye.
+fn near_plane(r: &mut Random, camera: &CameraOverride) -> Option<[f32; 4]> {
+    let [eye, target] = [camera.eye?, camera.target?].map(|p| Vec3::from(p).as_dvec3());
+    let normal = ((target - eye).normalize_or(DVec3::X) + r.vector() * r.by_size(1e-3, 2.0)).normalize_or(DVec3::Y);
+    let distance = (target - eye).length() * r.by_size(0.1, 1.5);
+    let plane = normal.extend(-normal.dot(eye) - distance).as_vec4();
+    // Rounding may have brought it to the eye.
+    let hidden = -(plane.truncate().as_dvec3().dot(eye) + f64::from(plane.w));
+    (hidden > 0.0).then(|| plane.into())
 }
 
 /// A camera of these numbers that passes its checks: eye and target apart in `f32`, up not along the view.

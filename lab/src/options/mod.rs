@@ -203,7 +203,7 @@ pub struct RenderOptions {
     /// Pick an adapter whose name contains TEXT
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
-    /// eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES;shift=X,Y;pixel_aspect=RATIO;mirrored=true, each part optional
+    /// eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES;shift=X,Y;pixel_aspect=RATIO;mirrored=true;near_plane=A,B,C,D, each part optional
     #[arg(long, value_name = "PARTS")]
     pub camera: Option<String>,
     /// directional=X,Y,Z (towards the light), point=X,Y,Z, or spot=X,Y,Z;target=X,Y,Z;angle=DEGREES

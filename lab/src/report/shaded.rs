@@ -98,6 +98,7 @@ mod tests {
             near: 0.1,
             far: 100.0,
             lens: Lens::CENTRED,
+            near_plane: None,
         };
         let shade = |light: Light, triangle: u32, visibility: f32| {
             let s = Shading {

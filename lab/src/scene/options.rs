@@ -20,7 +20,7 @@ pub struct SceneOptions {
 
 /// Parts of a camera; those not given stay as they are, or are framed from the scene's bounds.
 ///
-/// As text: `eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES;shift=X,Y;pixel_aspect=RATIO;mirrored=true`, each part optional, in any order.
+/// As text: `eye=X,Y,Z;target=X,Y,Z;up=X,Y,Z;fov=DEGREES;shift=X,Y;pixel_aspect=RATIO;mirrored=true;near_plane=A,B,C,D`, each part optional, in any order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraOverride {
@@ -38,6 +38,8 @@ pub struct CameraOverride {
     pub pixel_aspect: Option<f32>,
     /// Whether left and right are exchanged.
     pub mirrored: Option<bool>,
+    /// Oblique near plane.
+    pub near_plane: Option<[f32; 4]>,
 }
 
 /// The light of scenes that bring none: towards `(0.5, 1, 0.3)`.
@@ -55,6 +57,7 @@ impl From<Camera> for CameraOverride {
             shift: Some(shift),
             pixel_aspect: Some(pixel_aspect),
             mirrored: Some(mirrored),
+            near_plane: camera.near_plane,
         }
     }
 }
@@ -79,6 +82,7 @@ impl CameraOverride {
         camera.vertical_fov_degrees = self.fov.unwrap_or(camera.vertical_fov_degrees);
         camera.lens.shift = self.shift.unwrap_or(camera.lens.shift);
         camera.lens.pixel_aspect = self.pixel_aspect.unwrap_or(camera.lens.pixel_aspect);
+        camera.near_plane = self.near_plane.or(camera.near_plane);
         camera.lens.mirrored = self.mirrored.unwrap_or(camera.lens.mirrored);
         let eye = Vec3::from(camera.eye).as_dvec3();
         match self.up {
@@ -109,7 +113,7 @@ fn depth_range(lowest: DVec3, highest: DVec3, eye: DVec3) -> (f32, f32) {
 pub(super) fn camera_at(mesh: &Mesh, eye: [f32; 3], target: [f32; 3], vertical_fov_degrees: f32) -> Camera {
     let (lowest, highest) = framed_box(mesh);
     let (near, far) = depth_range(lowest, highest, Vec3::from(eye).as_dvec3());
-    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees, near, far, lens: Lens::CENTRED }
+    Camera { eye, target, up: [0.0, 1.0, 0.0], vertical_fov_degrees, near, far, lens: Lens::CENTRED, near_plane: None }
 }
 
 /// The box that cameras are fitted to: the bounds, or a stand-in if there is nothing or it has no extent in `f32`.
@@ -135,9 +139,10 @@ impl FromStr for CameraOverride {
                 "shift" => set("camera", key, &mut camera.shift, vector("camera", key, value)?)?,
                 "pixel_aspect" => set("camera", key, &mut camera.pixel_aspect, number("camera", key, value)?)?,
                 "mirrored" => set("camera", key, &mut camera.mirrored, truth("camera", key, value)?)?,
+                "near_plane" => set("camera", key, &mut camera.near_plane, vector("camera", key, value)?)?,
                 _ => {
                     return Err(Error::Scene(format!(
-                        "camera has no part '{key}', only eye, target, up, fov, shift, pixel_aspect and mirrored"
+                        "camera has no part '{key}', only eye, target, up, fov, shift, pixel_aspect, mirrored and near_plane"
                     )));
                 }
             }
@@ -157,6 +162,7 @@ impl fmt::Display for CameraOverride {
             ("shift", self.shift.map(|[x, y]| format!("{x},{y}"))),
             ("pixel_aspect", self.pixel_aspect.map(|aspect| aspect.to_string())),
             ("mirrored", self.mirrored.map(|mirrored| mirrored.to_string())),
+            ("near_plane", self.near_plane.map(|[a, b, c, d]| format!("{a},{b},{c},{d}"))),
         ];
         let given: Vec<_> = parts.into_iter().filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect();
         f.write_str(&given.join(";"))
@@ -249,11 +255,12 @@ mod tests {
     fn cameras_are_read_part_by_part() {
         let camera: CameraOverride = "eye=1,2.5,-3; fov=35".parse().unwrap();
         assert_eq!(camera, CameraOverride { eye: Some([1.0, 2.5, -3.0]), fov: Some(35.0), ..Default::default() });
-        let lens: CameraOverride = "shift=0.25,-1;pixel_aspect=2;mirrored=true".parse().unwrap();
+        let lens: CameraOverride = "shift=0.25,-1;pixel_aspect=2;mirrored=true;near_plane=0,0.5,1,-2".parse().unwrap();
         let wanted = CameraOverride {
             shift: Some([0.25, -1.0]),
             pixel_aspect: Some(2.0),
             mirrored: Some(true),
+            near_plane: Some([0.0, 0.5, 1.0, -2.0]),
             ..Default::default()
         };
         assert_eq!(lens, wanted);
@@ -266,6 +273,7 @@ mod tests {
             ("look=1,2,3", "'look'"),
             ("fov=wide", "'wide'"),
             ("shift=1,2,3", "needs 2"),
+            ("near_plane=1,0,0", "3 numbers, needs 4"),
             ("mirrored=1", "neither true nor false"),
         ] {
             let message = text.parse::<CameraOverride>().unwrap_err().to_string();

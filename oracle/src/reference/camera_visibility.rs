@@ -88,7 +88,7 @@ impl Shape {
             return None;
         }
         let depth = (self.distance / self.normal.dot(ray)).clamp(lo, hi);
-        (depth >= view.near).then_some(depth)
+        (depth >= view.near_along(ray)).then_some(depth)
     }
 
     /// Whether it is there, as the alpha-tested triangle of a place, at an image position that it covers.
@@ -119,10 +119,14 @@ impl Shape {
         let depth = (self.distance / over).clamp(lo, hi);
         let tilt = (self.normal.dot(view.rays.step_x).abs() + self.normal.dot(view.rays.step_y).abs()) * doubt.edge;
         let reach = doubt.depth * depth + if over.abs() > tilt { depth * tilt / (over.abs() - tilt) } else { hi - lo };
-        if depth + reach < view.near {
+        // An oblique near plane is another distance within the doubt of the place.
+        let near = view.near_along(ray);
+        let [x, y] = [view.rays.step_x, view.rays.step_y].map(|step| view.near_along(ray + step * doubt.edge) - near);
+        let off = if near.is_finite() { x.abs() + y.abs() } else { 0.0 };
+        if depth + reach + off < near {
             return None;
         }
-        sure &= depth - reach > view.near && over != 0.0;
+        sure &= depth - reach - off > near && over != 0.0;
         Some((depth, reach, sure))
     }
 }

@@ -251,6 +251,7 @@ mod tests {
             near: 0.1,
             far: 10.0,
             lens: Lens::CENTRED,
+            near_plane: None,
         };
         let light = Light::Directional { direction: [0.0, 1.0, 0.0] };
         let bounds = (DVec3::NEG_ONE, DVec3::ONE);

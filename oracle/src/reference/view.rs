@@ -55,6 +55,11 @@ impl View {
         }
     }
 
+    /// View depth from which on a ray sees surfaces.
+    pub fn near_along(&self, ray: DVec3) -> f64 {
+        self.rays.begin(ray) * self.scale
+    }
+
     /// A world position as a point of the frame.
     pub fn point(&self, position: [f32; 3]) -> DVec3 {
         (Vec3::from(position).as_dvec3() - self.eye) * self.scale

@@ -122,6 +122,7 @@ mod tests {
                 near: 1e-3,
                 far: 1e3,
                 lens: Lens::CENTRED,
+                near_plane: None,
             };
             let map = LightView::fit(&mesh, &light, 4).unwrap();
             let view = View::new(&camera, &light, &map, mesh.bounds().unwrap(), [16, 12], false);

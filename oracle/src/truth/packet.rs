@@ -19,6 +19,8 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Seen {
     /// Ray directions.
     pub rays: [DVec3; PACKET],
+    /// View depth from which on each sees surfaces.
+    begin: [f64; PACKET],
     /// View depth of the surface, infinite where there is none.
     pub depth: [f64; PACKET],
     /// Bound of its error.
@@ -39,12 +41,13 @@ pub(super) struct Lit {
     pub undecided: u128,
 }
 
-/// Traces the samples at `corner + offset` (pixels, at most [`PACKET`]) to the nearest surface beyond `near`.
-pub(super) fn see(tracer: &Tracer, rays: &PixelRays, corner: DVec2, offsets: &[DVec2], near: f64) -> Seen {
+/// Traces the samples at `corner + offset` (pixels, at most [`PACKET`]) to the nearest surface beyond the near distance.
+pub(super) fn see(tracer: &Tracer, rays: &PixelRays, corner: DVec2, offsets: &[DVec2]) -> Seen {
     let count = offsets.len().min(PACKET);
     let offsets = &offsets[..count];
     let mut out = Seen {
         rays: [DVec3::ZERO; PACKET],
+        begin: [0.0; PACKET],
         depth: [f64::INFINITY; PACKET],
         error: [0.0; PACKET],
         triangle: [NONE; PACKET],
@@ -55,14 +58,14 @@ pub(super) fn see(tracer: &Tracer, rays: &PixelRays, corner: DVec2, offsets: &[D
     for (k, o) in offsets.iter().enumerate() {
         let r = rays.direction(corner.x + o.x, corner.y + o.y);
         (low, high, longest) = (low.min(r), high.max(r), longest.max(r.length()));
-        out.rays[k] = r;
+        (out.rays[k], out.begin[k]) = (r, rays.begin(r));
     }
     let least = offsets.iter().fold(DVec2::INFINITY, |a, &b| a.min(b));
     let most = offsets.iter().fold(DVec2::NEG_INFINITY, |a, &b| a.max(b));
     let (middle, half) = ((least + most) * 0.5, (most - least) * 0.5);
     let centre = rays.direction(corner.x + middle.x, corner.y + middle.y);
     let (half_x, half_y) = (rays.step_x * half.x, rays.step_y * half.y);
-    let beam = Beam::pencil(rays.eye, low, high, near, f64::INFINITY);
+    let beam = Beam::pencil(rays.eye, low, high, rays.near, f64::INFINITY);
     let tree = tracer.tree();
     let all = full_mask(count as u32);
     tree.walk(&beam, |slot, end| {
@@ -103,7 +106,7 @@ pub(super) fn see(tracer: &Tracer, rays: &PixelRays, corner: DVec2, offsets: &[D
                 continue;
             }
             let t = height / along;
-            let nearer = t > near && (t, triangle) < (out.depth[k], out.triangle[k]);
+            let nearer = t > out.begin[k] && (t, triangle) < (out.depth[k], out.triangle[k]);
             if nearer && tracer.is_seen(triangle, corners, r * t) {
                 out.depth[k] = t;
                 out.error[k] = 2.0 * (height_error + t * along_error) / along.abs();

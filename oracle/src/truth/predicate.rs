@@ -303,6 +303,7 @@ mod tests {
             near: 0.01,
             far: 100.0,
             lens: Lens::CENTRED,
+            near_plane: None,
         };
         camera.rays(64, 48)
     }
@@ -366,6 +367,7 @@ mod tests {
             near: 1.0,
             far: 1e6,
             lens: Lens::CENTRED,
+            near_plane: None,
         }
         .rays(64, 64);
         let flat = |random: &mut Random, tilt: f64| {

@@ -109,7 +109,6 @@ pub struct SceneTruth<'a> {
     rays: PixelRays,
     light: DVec4,
     offsets: Vec<DVec2>,
-    near: f64,
     width: u32,
     height: u32,
 }
@@ -133,13 +132,12 @@ impl<'a> SceneTruth<'a> {
             return Err(Error::Config(format!("an image of {width} x {height} pixels")));
         }
         let offsets = samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect();
-        let (rays, near) = (camera.rays(width, height), f64::from(camera.near));
-        Ok(Self { tracer, rays, light: light.homogeneous(), offsets, near, width, height })
+        Ok(Self { tracer, rays: camera.rays(width, height), light: light.homogeneous(), offsets, width, height })
     }
 
     fn see(&self, pixel: u32, offsets: &[DVec2]) -> Seen {
         let corner = DVec2::new(f64::from(pixel % self.width), f64::from(pixel / self.width));
-        see(self.tracer, &self.rays, corner, offsets, self.near)
+        see(self.tracer, &self.rays, corner, offsets)
     }
 
     fn trace(&self, pixel: u32, offsets: &[DVec2]) -> Lit {

@@ -54,7 +54,6 @@ pub struct SeenTruth<'a> {
     tracer: &'a Tracer,
     rays: PixelRays,
     offsets: Vec<DVec2>,
-    near: f64,
     width: u32,
 }
 
@@ -69,7 +68,7 @@ impl<'a> SeenTruth<'a> {
             return Err(Error::Config(format!("an image of {width} x {height} pixels")));
         }
         let offsets = samples.offsets().iter().map(|o| DVec2::new(f64::from(o[0]), f64::from(o[1]))).collect();
-        Ok(Self { tracer, rays: camera.rays(width, height), offsets, near: f64::from(camera.near), width })
+        Ok(Self { tracer, rays: camera.rays(width, height), offsets, width })
     }
 
     /// Holds the samples `asked` of a pixel against what they see. `given` tells the triangle that a sample was given; `None` for
@@ -122,7 +121,7 @@ impl<'a> SeenTruth<'a> {
     }
 
     fn see(&self, corner: DVec2, offsets: &[DVec2]) -> Seen {
-        see(self.tracer, &self.rays, corner, offsets, self.near)
+        see(self.tracer, &self.rays, corner, offsets)
     }
 
     fn plane(&self, triangle: u32) -> Plane {
@@ -148,10 +147,12 @@ impl<'a> SeenTruth<'a> {
     /// Whether what sample `k` sees and what it was given are too near to each other, or to the near distance, to tell.
     fn is_tie(&self, seen: &Seen, k: usize, given: Option<u32>) -> bool {
         let ray = seen.rays[k];
+        let near = self.rays.begin(ray);
         let is_near = |p: &Plane| {
             let along = p.normal.dot(ray);
-            let made_of = p.size * (p.reach + self.near * ray.length());
-            (p.distance - self.near * along).abs() <= NEAR_ROUNDING * (self.near * along).abs() + NEARLY_EQUAL * made_of
+            let made_of = p.size * (p.reach + near * ray.length());
+            near.is_finite()
+                && (p.distance - near * along).abs() <= NEAR_ROUNDING * (near * along).abs() + NEARLY_EQUAL * made_of
         };
         let own = (seen.seen >> k & 1 != 0).then(|| self.plane(seen.triangle[k]));
         let theirs = given.map(|t| self.plane(t));
@@ -180,7 +181,7 @@ impl<'a> SeenTruth<'a> {
         }
         let middle = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
         let sees = |r: DVec3| {
-            let Some(hit) = self.tracer.closest(self.rays.eye, r, self.near) else { return false };
+            let Some(hit) = self.tracer.closest(self.rays.eye, r, self.rays.begin(r)) else { return false };
             // Or the two cross within the square: at a fold the one behind is nowhere seen beside the common edge.
             let other = self.plane(hit.triangle);
             let apart = |r: DVec3| plane.distance / plane.normal.dot(r) - other.distance / other.normal.dot(r);
@@ -199,7 +200,7 @@ impl<'a> SeenTruth<'a> {
     fn is_surface_near(&self, at: DVec2, t: u32) -> bool {
         let (plane, ray) = (self.plane(t), self.rays.direction(at.x, at.y));
         let reach = (self.rays.step_x.abs() + self.rays.step_y.abs()) * AMBIGUITY;
-        let beam = Beam::pencil(self.rays.eye, ray - reach, ray + reach, self.near, f64::INFINITY);
+        let beam = Beam::pencil(self.rays.eye, ray - reach, ray + reach, self.rays.near, f64::INFINITY);
         let mut found = false;
         let is_on = |p: DVec3| plane.height(p) == 0.0;
         self.tracer.visit_beam(&beam, &mut |other| {
@@ -227,7 +228,7 @@ impl<'a> SeenTruth<'a> {
                 return false;
             }
             let beyond = self.rays.direction(at.x + across.x, at.y + across.y);
-            let Some(hit) = self.tracer.closest(self.rays.eye, beyond, self.near) else { return true };
+            let Some(hit) = self.tracer.closest(self.rays.eye, beyond, self.rays.begin(beyond)) else { return true };
             let other = self.plane(hit.triangle).corners;
             let is_shared = other.contains(&corners[i]) && other.contains(&corners[j]);
             let ends = |(i, j): (usize, usize)| self.to_line(at, other[i], other[j]).length() <= AMBIGUITY;
@@ -279,6 +280,7 @@ mod tests {
         near: 0.1,
         far: 100.0,
         lens: Lens::CENTRED,
+        near_plane: None,
     };
 
     /// Two sheets that face the eye, `gap` apart at x = 0 and `gap + tilt` at x = 1, the nearer one ending at x = 0.5.

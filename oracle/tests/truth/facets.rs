@@ -22,6 +22,7 @@ fn overhead() -> Camera {
         near: 0.01,
         far: 10.0,
         lens: subpixel_shadows::scene::Lens::CENTRED,
+        near_plane: None,
     }
 }
 

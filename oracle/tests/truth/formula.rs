@@ -18,6 +18,7 @@ fn square_over_plane() -> (Mesh, Camera) {
         near: 0.01,
         far: 100.0,
         lens: subpixel_shadows::scene::Lens::CENTRED,
+        near_plane: None,
     };
     (mesh, camera)
 }

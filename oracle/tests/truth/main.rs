@@ -245,6 +245,7 @@ fn busy_scene() -> (Mesh, Camera) {
         near: 0.01,
         far: 100.0,
         lens: Lens::CENTRED,
+        near_plane: None,
     };
     (mesh, camera)
 }
@@ -379,6 +380,7 @@ fn a_tessellated_floor_has_no_acne_anywhere() {
             near: 0.01,
             far: 100.0,
             lens: Lens::CENTRED,
+            near_plane: None,
         };
         let tracer = Tracer::new(&mesh).unwrap();
         let samples = Samples::new(Pattern::LowDiscrepancy, 8).unwrap();

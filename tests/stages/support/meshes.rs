@@ -1,7 +1,7 @@
 //! Random meshes, cameras and lights.
 
 use super::Random;
-use subpixel_shadows::glam::DVec3;
+use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::scene::{Camera, Lens, Light, Mesh};
 
 /// A value in [0, 1).
@@ -109,7 +109,15 @@ pub fn camera(eye: DVec3, target: DVec3, fov: f32) -> Camera {
         near: 1e-4,
         far: 1e4,
         lens: Lens::CENTRED,
+        near_plane: None,
     }
+}
+
+/// An oblique near plane through a place between eye and target.
+pub fn oblique(camera: &Camera, share: f32, tilt: [f32; 3]) -> Option<[f32; 4]> {
+    let [eye, target] = [camera.eye, camera.target].map(Vec3::from);
+    let normal = (target - eye).normalize() + Vec3::from(tilt);
+    Some(normal.extend(-normal.dot(eye + share * (target - eye))).into())
 }
 
 /// A light in a random direction, mostly above, or at a point there outside the scene.

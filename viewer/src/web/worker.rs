@@ -55,13 +55,13 @@ fn told_camera(camera: &Camera) -> [JsValue; 3] {
 
 /// The camera that [`told_camera`] tells of.
 fn camera_of(text: &str, near: f32, far: f32) -> Option<Camera> {
-    let CameraOverride { eye, target, up, fov, shift, pixel_aspect, mirrored } = text.parse().ok()?;
+    let CameraOverride { eye, target, up, fov, shift, pixel_aspect, mirrored, near_plane } = text.parse().ok()?;
     let lens = Lens {
         shift: shift.unwrap_or(Lens::CENTRED.shift),
         pixel_aspect: pixel_aspect.unwrap_or(Lens::CENTRED.pixel_aspect),
         mirrored: mirrored.unwrap_or(Lens::CENTRED.mirrored),
     };
-    Some(Camera { eye: eye?, target: target?, up: up?, vertical_fov_degrees: fov?, near, far, lens })
+    Some(Camera { eye: eye?, target: target?, up: up?, vertical_fov_degrees: fov?, near, far, lens, near_plane })
 }
 
 /// Lets the page do something else in between.

@@ -65,6 +65,7 @@ fn camera(eye: DVec3, target: DVec3) -> Camera {
         near: 1e-3,
         far: 1e3,
         lens: Lens::CENTRED,
+        near_plane: None,
     }
 }
 

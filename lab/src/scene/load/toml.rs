@@ -11,6 +11,7 @@
 //! shift = [0.0, 0.0]     # of the image's middle, in halves of the image
 //! pixel_aspect = 1.0     # width by height
 //! mirrored = false
+//! # near_plane = [0.0, 1.0, 0.0, -0.5]   # where 1 y - 0.5 < 0 nothing is seen; the eye lies there
 //! [light]                # one of directional (towards the light), point, spot
 //! spot = [3.0, 6.0, 2.0]
 //! target = [0.0, 0.0, 0.0]
@@ -91,6 +92,9 @@ pub fn scene_file(scene: &Scene) -> String {
         vector(camera.up),
         camera.vertical_fov_degrees,
     );
+    if let Some([a, b, c, d]) = camera.near_plane {
+        text += &format!("near_plane = [{a:?}, {b:?}, {c:?}, {d:?}]\n");
+    }
     text += "[light]\n";
     text += &match scene.light {
         Light::Directional { direction } => format!("directional = {}\n", vector(direction)),
@@ -152,13 +156,15 @@ mod tests {
             scene.light = light;
             scene.camera.eye[1] += 0.1;
             scene.camera.lens.shift = [0.25, -0.1];
+            let [x, y, z] = scene.camera.eye;
+            scene.camera.near_plane = Some([-x, -y, -z, 0.25 * (x * x + y * y + z * z)]);
             let read = load(beside, scene_file(&scene).as_bytes()).unwrap();
             assert_eq!((read.light, read.mesh.triangles.len()), (Some(light), scene.mesh.triangles.len()));
             assert_eq!((read.base.as_ref(), read.alpha == scene.alpha), (Some(&scene.base), true), "{name}");
             let camera = read.camera.unwrap();
             assert_eq!(
-                (camera.eye, camera.target, camera.lens),
-                (scene.camera.eye, scene.camera.target, scene.camera.lens)
+                (camera.eye, camera.target, camera.lens, camera.near_plane),
+                (scene.camera.eye, scene.camera.target, scene.camera.lens, scene.camera.near_plane)
             );
         }
     }

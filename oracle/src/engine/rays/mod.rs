@@ -163,6 +163,16 @@ impl CpuRays {
         }
     }
 
+    /// Where a sample's ray, which starts at [`EyeView::start`], begins to see surfaces.
+    fn begin(&self, view: &EyeView, at: [usize; 2], offset: [f32; 2]) -> f32 {
+        if view.rays.near_plane == DVec3::ZERO {
+            return 0.0;
+        }
+        let [x, y] = [0, 1].map(|axis| at[axis] as f64 + f64::from(offset[axis]));
+        let begin = (view.rays.begin(view.rays.direction(x, y)) - view.start) * self.scale;
+        begin.clamp(0.0, f64::from(f32::MAX)) as f32
+    }
+
     fn pixel(&self, view: &EyeView, at: [usize; 2], room: &mut Room) -> PixelFound {
         let direction = view.rays.direction(at[0] as f64, at[1] as f64);
         let corner = (view.eye + direction * view.start - self.middle) * self.scale;
@@ -175,7 +185,8 @@ impl CpuRays {
         let (mut seen, mut lit, mut centre) = (0u128, 0u128, u32::MAX);
         if count == 1 {
             let [origin, direction] = sights.of(view.offsets[0]);
-            if let Some((slot, t)) = self.closest(&Ray::new(origin, direction, 0.0, f32::INFINITY), room) {
+            let begin = self.begin(view, at, view.offsets[0]);
+            if let Some((slot, t)) = self.closest(&Ray::new(origin, direction, begin, f32::INFINITY), room) {
                 centre = self.triangles[slot as usize];
                 let ray = self.to_light(view, [origin, direction], slot, t);
                 (seen, lit) = (1, u128::from(ray.is_some_and(|ray| self.is_free(ray, room))));
@@ -185,7 +196,13 @@ impl CpuRays {
             packet.clear();
             for &offset in &view.offsets {
                 let [origin, direction] = sights.of(offset);
-                packet.add(PacketRay { origin, direction, begin: 0.0, end: f32::INFINITY, own: u32::MAX });
+                packet.add(PacketRay {
+                    origin,
+                    direction,
+                    begin: self.begin(view, at, offset),
+                    end: f32::INFINITY,
+                    own: u32::MAX,
+                });
             }
             self.follow(packet, room.seen, false);
             room.seen = packet.met(0).map(|met| met.0).or(room.seen);

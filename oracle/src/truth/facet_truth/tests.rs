@@ -32,6 +32,7 @@ fn what_hardly_rises_is_ambiguous() {
             near: 1e-3,
             far: 1e3,
             lens: subpixel_shadows::scene::Lens::CENTRED,
+            near_plane: None,
         };
         let light = Light::Directional { direction: [-0.22, 0.78, -0.55] };
         let samples = Samples::new(subpixel_shadows::samples::Pattern::LowDiscrepancy, 32).unwrap();

@@ -164,6 +164,7 @@ fn read_camera(root: &Root, index: usize, matrix: &DMat4) -> Parsed<Option<Camer
         near: 1e-4,
         far: 1e4,
         lens: Lens::CENTRED,
+        near_plane: None,
     };
     camera.check().map_err(|e| format!("camera {index}: {}", without_name(&e)))?;
     Ok(Some(camera))
