@@ -1,6 +1,6 @@
 //! Frames that are rendered by themselves and read back: a device, a [`ShadowPass`] and readback.
 
-use crate::gpu::{Gpu, KeptPrograms, StageTime};
+use crate::gpu::{BufferMemory, Gpu, KeptPrograms, StageTime};
 use crate::light_view::MapTiles;
 #[cfg(feature = "baselines")]
 use crate::methods::DebugViews;
@@ -247,6 +247,11 @@ impl<'a> Renderer<'a> {
     /// Strips of rows in which the image is rendered.
     pub fn strips(&self) -> u32 {
         self.pass.as_ref().map_or(1, ShadowPass::strips)
+    }
+
+    /// As [`ShadowPass::memory`].
+    pub fn memory(&self) -> Vec<BufferMemory> {
+        self.pass.as_ref().map_or_else(Vec::new, ShadowPass::memory)
     }
 }
 

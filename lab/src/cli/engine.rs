@@ -8,7 +8,7 @@ use lab::scene::Scene;
 use oracle::engine::{self, CpuRays, CpuTime, RAYS};
 use serde_json::{Map, Value};
 use std::time::{Duration, Instant};
-use subpixel_shadows::gpu::{Gpu, KeptPrograms};
+use subpixel_shadows::gpu::{BufferMemory, Gpu, KeptPrograms};
 use subpixel_shadows::light_view::OmniMaps;
 use subpixel_shadows::methods::strip_method::StripMethod;
 use subpixel_shadows::methods::{DebugViews, MethodName, PixelClass, Prepared};
@@ -30,6 +30,8 @@ pub struct Rendered {
     pub looks: Option<DebugViews>,
     /// The stages that ran on the CPU; `None` on a GPU.
     pub cpu_stages: Option<Vec<CpuTime>>,
+    /// Buffers of the device that the frames took, the largest first; none on the CPU.
+    pub memory: Vec<BufferMemory>,
     /// Frames whose median time each time is; 0 where nothing ran, or no time was asked for.
     pub timed_frames: u32,
     /// How long it took from the call to the begin of the first of these: memory, pipelines, and a frame that is not timed. Reading back
@@ -108,6 +110,7 @@ impl Engine {
                     facets: Some(FacetSet { words, ..FacetSet::default() }),
                     looks: (options.looks && classes).then_some(looks),
                     cpu_stages: matches!(self, Self::Cpu).then(Vec::new),
+                    memory: Vec::new(),
                     timed_frames: 0,
                     setup: start.elapsed(),
                 })
@@ -164,7 +167,8 @@ impl Engine {
                 }
                 let looks = looks.filter(|looks| *looks != DebugViews::default());
                 let (output, timed_frames) = timed(output, frames, || renderer.render_mean(camera, points))?;
-                Ok(Rendered { output, facets, looks, cpu_stages: None, timed_frames, setup })
+                let memory = renderer.memory();
+                Ok(Rendered { output, facets, looks, cpu_stages: None, memory, timed_frames, setup })
             }
             (_, Self::Cpu) if options.method == MethodName::RayTraced && options.facets == FacetsPerPixel::One => {
                 let text = "ray-traced on the CPU engine: every sample has the surface that it sees (--facets all)";
@@ -179,7 +183,7 @@ impl Engine {
                 let setup = start.elapsed();
                 let (output, timed_frames) = timed(first, frames, render)?;
                 let cpu_stages = Some(vec![CpuTime { name: RAYS, ms: output.wall_ms }]);
-                Ok(Rendered { output, facets: None, looks: None, cpu_stages, timed_frames, setup })
+                Ok(Rendered { output, facets: None, looks: None, cpu_stages, memory: Vec::new(), timed_frames, setup })
             }
             (_, Self::Cpu) if options.method != MethodName::FacetMasks => {
                 let name = options.method.name();
@@ -212,7 +216,8 @@ impl Engine {
                 })?;
                 let (facets, looks) = last.map_or_else(Default::default, |frame| (frame.facets, frame.looks));
                 let facets = (options.truth && !several).then(|| FacetSet::of_cpu(&facets, words));
-                Ok(Rendered { output, facets, looks, cpu_stages: Some(stages), timed_frames: 1, setup })
+                let cpu_stages = Some(stages);
+                Ok(Rendered { output, facets, looks, cpu_stages, memory: Vec::new(), timed_frames: 1, setup })
             }
         }
     }

@@ -8,7 +8,7 @@ use super::progress::Console;
 use super::table::{Report, grouped, percent};
 use super::{opened, planned};
 use lab::options::RenderOptions;
-use lab::report::frame_json::{AdapterReport, ErrorReport, Sources};
+use lab::report::frame_json::{AdapterReport, ErrorReport, MemoryReport, Sources};
 use lab::report::looks::{CLASS_COLOURS, VIEW_COLOURS, write_classes, write_map, write_views};
 use lab::report::shaded::Shading;
 use lab::report::{
@@ -55,6 +55,7 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
         cpu_stages: rendered.cpu_stages.as_deref(),
         timed_frames: rendered.timed_frames,
         setup_ms,
+        memory: &rendered.memory,
         asked: &asked,
         error,
     });
@@ -73,6 +74,9 @@ pub fn run(scene: Option<&str>, options: &RenderOptions) -> Result<()> {
         report.line("light", &format!("the mean of {n} points within a radius of {radius}; counts are of the last"));
     }
     stages(&mut report, &frame, &plan, &rendered);
+    if frame.memory.bytes > 0 {
+        memory(&mut report, &frame.memory);
+    }
     counts(&mut report, &rendered, u64::from(w) * u64::from(h));
     if let Some(error) = &error {
         errors(&mut report, error, n, w);
@@ -208,6 +212,15 @@ fn stages(report: &mut Report, frame: &FrameReport, plan: &Plan, rendered: &Rend
         };
         format!("{time}, {} dispatches, {left_out} steps left out{of_frames}", output.dispatches)
     });
+}
+
+/// Memory of the device, and the buffers that hold most of it.
+fn memory(report: &mut Report, of: &MemoryReport) {
+    let mebibytes = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+    let largest: Vec<String> =
+        of.buffers.iter().take(3).map(|buffer| format!("{} ({})", buffer.label, mebibytes(buffer.bytes))).collect();
+    let (all, count) = (mebibytes(of.bytes), of.buffers.len());
+    report.text(&format!("{all} of GPU memory in {count} buffers, most in {}", largest.join(", ")));
 }
 
 /// Items of a stage that ran and had none.

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::Path;
+use subpixel_shadows::gpu::BufferMemory;
 use subpixel_shadows::methods::facet_masks::Settings;
 use subpixel_shadows::methods::prepared::Prepared;
 use subpixel_shadows::plan::Plan;
@@ -54,6 +55,8 @@ pub struct FrameReport<'a> {
     /// From the mesh to the begin of the first frame that is timed: preparing it, opening the device, compiling, making memory, and one
     /// frame. In no other time.
     pub setup_ms: f64,
+    /// Memory of the device.
+    pub memory: MemoryReport<'a>,
     /// Counts.
     pub counts: &'a Counts,
     /// How the lists fared.
@@ -148,10 +151,21 @@ pub struct Sources<'a> {
     pub timed_frames: u32,
     /// Time before these, milliseconds.
     pub setup_ms: f64,
+    /// Buffers that the frames took, the largest first.
+    pub memory: &'a [BufferMemory],
     /// Its error, where truth was computed.
     pub error: Option<ErrorReport>,
     /// Settings under the names of the program's options.
     pub asked: &'a Map<String, Value>,
+}
+
+/// Buffers of the device that a frame took.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct MemoryReport<'a> {
+    /// Bytes of all.
+    pub bytes: u64,
+    /// Each of them, the largest first.
+    pub buffers: &'a [BufferMemory],
 }
 
 impl<'a> FrameReport<'a> {
@@ -191,6 +205,7 @@ impl<'a> FrameReport<'a> {
             wall_ms: s.output.wall_ms,
             timed_frames: s.timed_frames,
             setup_ms: s.setup_ms,
+            memory: MemoryReport { bytes: s.memory.iter().map(|buffer| buffer.bytes).sum(), buffers: s.memory },
             counts: &s.output.counts,
             lists: &s.output.lists,
             error: s.error,

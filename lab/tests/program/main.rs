@@ -87,6 +87,7 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
         "wall_ms",
         "timed_frames",
         "setup_ms",
+        "memory",
         "settings",
         "counts",
         "lists",
@@ -124,6 +125,10 @@ fn assert_contract(out: &str, engine: &str, size: [u32; 2], samples: usize) {
     }
     assert!(f["gpu_ms"].is_number() && f["wall_ms"].is_number() && f["timed_frames"].is_u64());
     assert!(f["setup_ms"].as_f64().is_some_and(|ms| ms > 0.0) && f["settings"]["method"] == f["method"]);
+    let held = f["memory"]["buffers"].as_array().expect("buffers");
+    let bytes: Vec<u64> = held.iter().map(|buffer| buffer["bytes"].as_u64().expect("bytes")).collect();
+    assert_eq!(f["memory"]["bytes"].as_u64(), Some(bytes.iter().sum()));
+    assert!(bytes.is_sorted_by(|a, b| a >= b) && bytes.is_empty() == (engine == "cpu" || f["timed_frames"] == 0));
     for key in [
         "silhouette_edges",
         "silhouette_texels",
