@@ -1,19 +1,20 @@
 //! Shadows inside an application's own frame: its device, its G-buffer pass, the shadow pass and its shading pass in one
 //! encoder and one submission.
 //!
-//! `cargo run --release --example deferred -- [--size WxH] [--samples N] [--map N] [--ground] [SCENE]`
+//! `cargo run --release --example deferred -- [--size WxH] [--samples N] [--map N] [--ground] [--out DIR] [SCENE]`
 //!
 //! The G-buffer is drawn with the hardware's rasterizer (triangle numbers, reversed depth); the shadow pass reads it and
 //! writes a texture, which the shading pass multiplies with diffuse light. Three ways to hand it over follow each other:
 //! triangle numbers; depth alone, as for an application that has no numbers, or draws what casts nothing; and the numbers of
-//! four samples a pixel, from a multisampled texture, for a facet for each surface that they show. A last frame without a
-//! G-buffer is compared with what the library's own renderer gives: not a bit may differ.
+//! four samples a pixel, from a multisampled texture, for a facet for each surface that they show. Each is held against rays through
+//! the same samples. A last frame without a G-buffer is compared with what the library's own renderer gives: not a bit may differ.
 
 use futures::executor::block_on;
 use lab::arguments::Arguments;
-use lab::report::write_png_rgb;
+use lab::report::{TracedScene, write_png_rgb};
 use lab::scene::{Scene, SceneOptions};
-use std::path::Path;
+use oracle::truth::Tracer;
+use std::path::PathBuf;
 use subpixel_shadows::glam::{DMat4, DVec3, DVec4};
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
@@ -95,6 +96,7 @@ struct App {
     visibility: wgpu::Texture,
     image: wgpu::Buffer,
     size: [u32; 2],
+    out: PathBuf,
     shade: wgpu::ComputePipeline,
     mesh: wgpu::BindGroup,
     screen: wgpu::BindGroup,
@@ -114,7 +116,7 @@ fn main() -> Result<()> {
         ..Default::default()
     };
     let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|e| Error::Gpu(e.to_string()))?;
-    let app = App::new(device, queue, &scene, size);
+    let app = App::new(device, queue, &scene, size, arguments.out);
 
     let samples = Samples::new(Pattern::LowDiscrepancy, arguments.samples.unwrap_or(32))?;
     let settings = Settings { facets: FacetMode::One, ..Settings::new(size, arguments.map, samples) };
@@ -123,13 +125,13 @@ fn main() -> Result<()> {
     let mut pass = ShadowPass::new(&app.device, &app.queue, &config)?;
     let plain = Inputs::new(&scene.camera, &scene.light);
     let numbers = GBuffer::TriangleIds(TriangleTexture::new(&app.centres.ids));
-    app.write_frame("out/deferred.png", &mut pass, &Inputs { gbuffer: numbers, ..plain })?;
+    app.write_frame("deferred.png", &mut pass, &Inputs { gbuffer: numbers, ..plain })?;
     let by_numbers = app.read(pass.visibility())?;
 
     let terms = DepthTerms::reversed_infinite(scene.camera.near);
     let depth = SurfacePosition::Depth { texture: &app.centres.depth, terms, nothing: 0.0 };
     let surfaces = GBuffer::Surfaces(SurfaceTextures::new(depth));
-    app.write_frame("out/deferred_depth.png", &mut pass, &Inputs { gbuffer: surfaces, ..plain })?;
+    app.write_frame("deferred_depth.png", &mut pass, &Inputs { gbuffer: surfaces, ..plain })?;
     let by_depth = app.read(pass.visibility())?;
     let off = by_depth.iter().zip(&by_numbers).filter(|(a, b)| a != b).count();
     println!("{off} of {} pixels differ from those by triangle numbers", by_depth.len());
@@ -137,12 +139,15 @@ fn main() -> Result<()> {
     let every = PassConfig::new(Settings { facets: FacetMode::All, ..settings.clone() }, casters);
     let mut every = ShadowPass::new(&app.device, &app.queue, &every)?;
     let samples = GBuffer::SampleIds(SampleTexture::new(&app.samples.ids, &SampleTexture::STANDARD_4));
-    app.write_frame("out/deferred_samples.png", &mut every, &Inputs { gbuffer: samples, ..plain })?;
+    app.write_frame("deferred_samples.png", &mut every, &Inputs { gbuffer: samples, ..plain })?;
+
+    let by_samples = app.read(every.visibility())?;
 
     app.complete_frame(&mut pass, &plain)?;
     let ours = app.read(pass.visibility())?;
     let gpu = Gpu::from_adapter(&adapter, None)?;
     let prepared = Prepared::new(&scene.mesh)?;
+    hold_against_rays(&scene, &prepared, &settings, [&by_numbers, &by_depth, &by_samples])?;
     let theirs = Renderer::new(&gpu, &prepared, &settings, Budget::default())?.render(&scene.camera, &scene.light)?;
     let differ = ours.iter().zip(&theirs.visibility).filter(|(a, b)| **a != b.to_bits()).count();
     println!("{differ} of {} pixels differ from the renderer's", ours.len());
@@ -151,6 +156,25 @@ fn main() -> Result<()> {
     } else {
         Err(Error::Gpu(format!("{differ} pixels differ from the renderer's")))
     }
+}
+
+/// Holds pictures by triangle numbers, by depth and by four samples' numbers against rays through the same samples.
+fn hold_against_rays(scene: &Scene, prepared: &Prepared, settings: &Settings, pictures: [&[u32]; 3]) -> Result<()> {
+    let tracer = Tracer::of(prepared)?;
+    let truth = TracedScene::new(&tracer, &scene.camera, &scene.light, settings, None)?;
+    let mut found = Vec::new();
+    for (name, bits) in ["triangle numbers", "depth", "four samples' numbers"].into_iter().zip(pictures) {
+        let visibility: Vec<f32> = bits.iter().map(|bits| f32::from_bits(*bits)).collect();
+        let errors = truth.errors(&visibility)?;
+        let (rmse, within) = (errors.scene_rmse, 100.0 * errors.scene_pixel_match.unwrap_or(1.0));
+        println!("checked against rays, by {name}: RMSE {rmse:.5}, {within:.3} % of the pixels within one sample");
+        found.push(rmse);
+    }
+    // What four samples show is nearer than what the centre shows, where a pixel shows several surfaces at all.
+    if found[2] <= found[0] && found[0] < 0.2 {
+        return Ok(());
+    }
+    Err(Error::Config(format!("the pictures are not those of rays: RMSE {found:?}")))
 }
 
 impl App {
@@ -180,11 +204,12 @@ impl App {
     }
 
     /// A complete frame as a picture.
-    fn write_frame(&self, path: &str, pass: &mut ShadowPass, inputs: &Inputs) -> Result<()> {
+    fn write_frame(&self, name: &str, pass: &mut ShadowPass, inputs: &Inputs) -> Result<()> {
         let shaded = self.complete_frame(pass, inputs)?;
-        std::fs::create_dir_all("out").map_err(|e| Error::file("out", e.to_string()))?;
-        write_png_rgb(Path::new(path), self.size[0], self.size[1], &shaded)?;
-        println!("wrote {path}");
+        std::fs::create_dir_all(&self.out).map_err(|e| Error::file(&self.out, e.to_string()))?;
+        let path = self.out.join(name);
+        write_png_rgb(&path, self.size[0], self.size[1], &shaded)?;
+        println!("wrote {}", path.display());
         Ok(())
     }
 
@@ -221,7 +246,7 @@ impl App {
         pass.dispatch_workgroups(self.size[0].div_ceil(8), self.size[1].div_ceil(8), 1);
     }
 
-    fn new(device: wgpu::Device, queue: wgpu::Queue, scene: &Scene, size: [u32; 2]) -> Self {
+    fn new(device: wgpu::Device, queue: wgpu::Queue, scene: &Scene, size: [u32; 2], out: PathBuf) -> Self {
         let [width, height] = size;
         let texture = |format, usage, sample_count| {
             device.create_texture(&wgpu::TextureDescriptor {
@@ -320,7 +345,7 @@ impl App {
         let screen = group(&shade.get_bind_group_layout(1), &[id_view, visibility_view, image.as_entire_binding()]);
         let mesh = group(&shade.get_bind_group_layout(0), &mesh);
         let vertices = 3 * scene.mesh.triangles.len() as u32;
-        Self { device, queue, centres, samples, visibility, image, size, shade, mesh, screen, vertices }
+        Self { device, queue, centres, samples, visibility, image, size, out, shade, mesh, screen, vertices }
     }
 
     /// Waits for the GPU and reads a buffer.
