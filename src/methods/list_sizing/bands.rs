@@ -6,12 +6,17 @@ use crate::{Error, Result};
 /// Triangles that the bands of a frame go through in all, each of them through all of the mesh.
 const MAX_VISITS: usize = 1 << 25;
 
+/// Texels that take no longer than a triangle: counts of each are cleared and summed up for every band.
+const TEXELS: u64 = 64;
+
 /// Bands that are tried of any mesh.
 const FEW: usize = 16;
 
-/// Most bands of a mesh of so many triangles: more would take minutes, or longer than a device lets a submission run.
-pub fn most_bands(triangles: usize) -> u32 {
-    (MAX_VISITS / triangles.max(1)).clamp(FEW, MAX_BANDS as usize) as u32
+/// Most bands of a mesh of so many triangles and a map of so many texels a side: more would take minutes, or longer than a device lets a
+/// submission run.
+pub fn most_bands(triangles: usize, map: u32) -> u32 {
+    let texels = (u64::from(map).pow(2) / TEXELS) as usize;
+    (MAX_VISITS / triangles.max(texels).max(1)).clamp(FEW, MAX_BANDS as usize) as u32
 }
 
 /// `wanted` with no more bands than the mesh may have.
@@ -26,14 +31,16 @@ pub fn in_reach(
     budget: u64,
     triangles: usize,
 ) -> Result<Capacities> {
-    let most = most_bands(triangles);
+    let most = most_bands(triangles, settings.map);
     if wanted.bands <= most || wanted.bands <= now.bands {
         return Ok(wanted);
     }
     let needed = pair_bytes(settings, (needs.pixel_pairs, needs.triangle_pairs, needs.candidates));
     if now.bands >= most || needed / budget.max(1) >= u64::from(most / now.bands.max(1)) {
         let bands = if now.bands == 1 { "1 band".to_owned() } else { format!("the largest of {} bands", now.bands) };
-        let what = format!("pair lists of {bands} of facets, {most} at most of {triangles} triangles");
+        let map = settings.map;
+        let what =
+            format!("pair lists of {bands} of facets, {most} at most of {triangles} triangles in a map of {map}");
         return Err(Error::Memory { what, needed, limit: budget });
     }
     Ok(Capacities { bands: most, ..wanted })
@@ -48,7 +55,9 @@ mod tests {
 
     #[test]
     fn bands_of_large_meshes_are_few() {
-        assert_eq!([0, 1, 8192, 1 << 15, 1 << 20, 1 << 27].map(most_bands), [4096, 4096, 4096, 1024, 32, 16]);
+        let of_triangles = |triangles| most_bands(triangles, 17);
+        assert_eq!([0, 1, 8192, 1 << 15, 1 << 20, 1 << 27].map(of_triangles), [4096, 4096, 4096, 1024, 32, 16]);
+        assert_eq!([1, 512, 2048, 8192, 16384].map(|map| most_bands(5000, map)), [4096, 4096, 512, 32, 16]);
         let settings = Settings::new([64, 48], 17, Samples::new(Pattern::default(), 32).expect("32 samples"));
         let budget = 1u64 << 20;
         let of = |bands, triangle_pairs: u64, triangles| {
