@@ -48,4 +48,13 @@ if ! command -v xvfb-run >/dev/null 2>&1 && command -v apt-get >/dev/null 2>&1 &
         xvfb xauth libxkbcommon-x11-0 libxcursor1 libxi6
 fi
 # `subpixel-shadows-occupancy` needs RADV, which is in the package of lavapipe, and says so where it is missing.
-cargo test --release $packages "$@"
+# Examples are built by the lints alone (`cargo clippy --all-targets`): no test runs one.
+case " $* " in
+*" --test"* | *" --lib "* | *" --bin"* | *" --doc "* | *" --example"*)
+    cargo test --release $packages "$@"
+    ;;
+*)
+    cargo test --release $packages --lib --bins --tests "$@"
+    cargo test --release $packages --doc "$@"
+    ;;
+esac

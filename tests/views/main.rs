@@ -8,6 +8,7 @@ use lab::scene::{Scene, builtin};
 use oracle::engine;
 use oracle::truth::{SceneTruth, Tracer, join_mask};
 use rooms::{point, room, scenes};
+use std::collections::HashMap;
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
 use subpixel_shadows::gpu::Recorder;
@@ -211,7 +212,7 @@ fn blur(method: MethodName) -> f32 {
 #[gpu_test]
 fn other_methods_take_a_cube() {
     let mut exact = 0;
-    for (name, scene) in scenes() {
+    for (k, (name, scene)) in scenes().into_iter().enumerate() {
         let pages = PageSettings { pages: Some(16384), finer: 3, ..PageSettings::default() };
         let settings = Settings { map: 512, pages, ..settings(FacetMode::One, 8) };
         let want = visibility(&scene, MethodName::FacetMasks, &settings).expect("a frame");
@@ -239,10 +240,12 @@ fn other_methods_take_a_cube() {
         let moved = Scene { light: beside, ..scene.clone() };
         let maps = [OmniMaps::Planes, OmniMaps::Paraboloids];
         let with = |method: MethodName| maps.into_iter().filter(move |omni| *omni == maps[0] || method.takes("omni"));
-        for (method, omni) in ask_one().flat_map(|method| with(method).map(move |omni| (method, omni))) {
+        let all = ask_one().flat_map(|method| with(method).map(move |omni| (method, omni)));
+        for (n, (method, omni)) in all.enumerate() {
             let settings = Settings { omni, ..settings.clone() };
-            let [got, moved] = [&scene, &moved].map(|s| visibility(s, method, &settings).expect("a frame"));
-            let [off, away] = [got, moved].map(|picture| mean_difference(&picture, &want));
+            let off = |s: &Scene| mean_difference(&visibility(s, method, &settings).expect("a frame"), &want);
+            // The lamp is moved in two of the scenes for each.
+            let (off, away) = (off(&scene), if n % 3 == k % 3 { off(&moved) } else { f32::INFINITY });
             let name = format!("{name}, {} on {omni:?}", method.name());
             // Two maps have a third of the texels of six.
             let most = if omni == OmniMaps::Paraboloids { 0.05 } else { 0.03 };
@@ -262,6 +265,7 @@ fn other_methods_take_slices() {
     let pages = PageSettings { pages: Some(16384), finer: 3, ..PageSettings::default() };
     let settings = Settings { map: 96, pages, ..settings(FacetMode::One, 8) };
     let want = visibility(&near, MethodName::FacetMasks, &settings).expect("a frame");
+    let mut whole = HashMap::new();
     use PartBy::{Depth, FrustumFaces as Faces, ReceiverClusters as Clusters, SeenDepth as Seen};
     use Warp::{Box, Fitted, Trapezoid};
     for (by, splits, warp) in
@@ -275,9 +279,11 @@ fn other_methods_take_slices() {
             // The first misses triangles smaller than texels; what is wrong with the second is not of texels in finer maps.
             let maps = [(MethodName::Reconstructable, 768), (MethodName::PolygonIds, 32)];
             let map = maps.iter().find(|(m, _)| *m == method).map_or(settings.map, |(_, map)| *map);
-            let [one, several] = [&settings, &sliced]
-                .map(|s| visibility(&near, method, &Settings { map, ..s.clone() }).expect("a frame"));
-            let [one, several] = [one, several].map(|picture| mean_difference(&picture, &want));
+            let off = |s: &Settings| {
+                let picture = visibility(&near, method, &Settings { map, ..s.clone() }).expect("a frame");
+                mean_difference(&picture, &want)
+            };
+            let (one, several) = (*whole.entry(method).or_insert_with(|| off(&settings)), off(&sliced));
             // A trapezoid by focus alone may stretch what is far away, pages are as fine as pixels in any view, and the box in sight ends where depths do.
             // So do clusters of what is one object for the most part.
             let matched = method == MethodName::ResolutionMatched || matches!(by, Seen | Clusters);
