@@ -39,6 +39,7 @@ mod beside;
 mod caster_upload;
 mod casters;
 mod checks;
+mod depth_terms;
 mod gbuffer;
 mod gbuffer_stage;
 mod held;
@@ -60,7 +61,8 @@ pub use crate::stages::caster_positions::Vertices;
 pub use crate::stages::instance_positions::Transforms;
 pub use background::Compiling;
 pub use caster_upload::{CasterUpload, UploadedCasters};
-pub use gbuffer::{DepthTerms, GBuffer, ImageTerms, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
+pub use depth_terms::{DepthTerms, ImageTerms};
+pub use gbuffer::{GBuffer, SampleTexture, SurfacePosition, SurfaceTextures, TriangleTexture};
 pub use inputs::{
     CasterMesh, CasterPart, Casters, Inputs, LightReach, LightTarget, Moved, PartAt, PartKind, PartPlace, Placed,
     Target, TargetTexture,
