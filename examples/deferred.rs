@@ -170,7 +170,7 @@ fn hold_against_rays(scene: &Scene, prepared: &Prepared, settings: &Settings, pi
         println!("checked against rays, by {name}: RMSE {rmse:.5}, {within:.3} % of the pixels within one sample");
         found.push(rmse);
     }
-    // What four samples show is nearer than what the centre shows, where a pixel shows several surfaces at all.
+    // Four samples are nearer than the centre alone, where a pixel shows several surfaces at all.
     if found[2] <= found[0] && found[0] < 0.2 {
         return Ok(());
     }

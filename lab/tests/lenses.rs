@@ -32,12 +32,12 @@ fn case(name: &str, facets: FacetMode, lens: Lens) -> FuzzCase {
 }
 
 /// No sample is wrong, of the GPU or of the CPU engine, and there is something to be wrong about.
-fn holds(bench: &FuzzDevice, name: &str, facets: FacetMode, lens: Lens) {
-    let case = case(name, facets, lens);
-    let shot = bench.render(&case).expect("a frame");
-    let verdict = judge(&case, &shot).expect("a judgement");
-    assert!(verdict.figures.compared > 1000, "{name}, {lens:?}: {:?}", verdict.figures);
-    assert!(!verdict.fails(), "{name}, {facets:?}, {lens:?}: {:?}", verdict.faults);
+fn holds(bench: &FuzzDevice, name: &str, case: &FuzzCase) {
+    let (camera, facets) = (&case.world.camera, case.how.settings.facets);
+    let shot = bench.render(case).expect("a frame");
+    let verdict = judge(case, &shot).expect("a judgement");
+    assert!(verdict.figures.compared > 1000, "{name}, {facets:?}, {camera}: {:?}", verdict.figures);
+    assert!(!verdict.fails(), "{name}, {facets:?}, {camera}: {:?}", verdict.faults);
 }
 
 /// Sixteen offsets within a pixel, as temporal antialiasing takes them (the first points of a (2, 3) Halton sequence).
@@ -55,7 +55,8 @@ fn jitter_of_any_offset_is_exact() {
     };
     for k in 1..=16 {
         let lens = Lens::CENTRED.jittered([halton(k, 2), halton(k, 3)], SIZE);
-        holds(&bench, ["windmill", "knot"][k as usize % 2], FacetMode::All, lens);
+        let name = ["windmill", "knot"][k as usize % 2];
+        holds(&bench, name, &case(name, FacetMode::All, lens));
     }
 }
 
@@ -70,7 +71,7 @@ fn lenses_of_any_shape_are_exact() {
         ("spheres", lens([0.5, 0.5], 0.4, true)),
     ] {
         for facets in [FacetMode::All, FacetMode::One] {
-            holds(&bench, name, facets, lens);
+            holds(&bench, name, &case(name, facets, lens));
         }
     }
 }
@@ -85,8 +86,8 @@ fn behind(name: &str, facets: FacetMode, share: f32, tilt: [f32; 3]) -> FuzzCase
     case
 }
 
-/// What lies before an oblique near plane is not seen and casts shadows all the same, whether the plane cuts a little off, much, or all in
-/// a part of the image.
+/// Surfaces before an oblique near plane are not seen and cast shadows all the same, whether the plane cuts a little off, much, or all in a
+/// part of the image.
 #[gpu_test]
 fn oblique_near_planes_are_exact() {
     let bench = FuzzDevice::new(gpu());
@@ -97,11 +98,7 @@ fn oblique_near_planes_are_exact() {
         ("spheres", 0.8, [-1.5, 1.5, 0.3]),
     ] {
         for facets in [FacetMode::All, FacetMode::One] {
-            let case = behind(name, facets, share, tilt);
-            let shot = bench.render(&case).expect("a frame");
-            let verdict = judge(&case, &shot).expect("a judgement");
-            assert!(verdict.figures.compared > 1000, "{name}, {facets:?}: {:?}", verdict.figures);
-            assert!(!verdict.fails(), "{name}, {facets:?}: {:?}", verdict.faults);
+            holds(&bench, name, &behind(name, facets, share, tilt));
         }
     }
 }

@@ -268,7 +268,7 @@ fn near_distance() {
     }
 }
 
-/// What lies before an oblique near plane is not seen, whether that cuts triangles or hides all in a part of the image.
+/// Surfaces before an oblique near plane are not seen, whether that cuts triangles or hides all in a part of the image.
 #[gpu_test]
 fn an_oblique_near_plane() {
     for (name, seed) in [("closed balls", 1), ("huge", 2), ("contact", 3)] {

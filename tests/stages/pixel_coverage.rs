@@ -119,7 +119,7 @@ fn degenerate() {
     }
 }
 
-/// What lies before an oblique near plane covers nothing, whether that cuts triangles or hides all in a part of the image.
+/// Triangles before an oblique near plane cover nothing, whether that cuts triangles or hides all in a part of the image.
 #[gpu_test]
 fn an_oblique_near_plane() {
     for (name, seed) in [("closed balls", 2), ("huge", 1)] {
