@@ -15,7 +15,9 @@
 //! used rather than probes around each sample: they also notice slivers. A sample that no triangle shadows is ambiguous
 //! if it is within [`AMBIGUITY`] of one's shadow. A shadowed sample is not if it lies in one shadow by more than that;
 //! else eight places around it are probed, so that the edge shared by two casters, whose shadows together leave no gap,
-//! is not counted as an edge; so is one that an alpha-tested triangle's shadow comes near, for the edges of its holes. A facet that the eye sees edge-on, by the rule for lights (2^-40), is ambiguous, whole. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
+//! is not counted as an edge; so is one that an alpha-tested triangle's shadow comes near, for the edges of its holes. The two sides
+//! of each line within [`AMBIGUITY`] are probed as well, as close to it as `f64` tells: where halves of two sheets are holes, what is
+//! left between their edges may be far thinner than the band. A facet that the eye sees edge-on, by the rule for lights (2^-40), is ambiguous, whole. What a triangle does that rises over the facet's plane by no more than 2^-36 of the distance is
 //! ambiguous, too: whether it rises at all is left to rounding.
 
 use super::beam::Beam;
@@ -387,7 +389,14 @@ impl<'a> Judge<'a> {
         if !self.shadows.iter().any(|s| s.shadow.surely_covers(here)) {
             return true;
         }
-        around(false)
+        around(false) || self.beside_lines(here).any(|r| !covered(r))
+    }
+
+    /// Rays on both sides of each line that is within [`AMBIGUITY`] of ray `r`, where they are nearest to it and just not on the line.
+    fn beside_lines(&self, r: DVec3) -> impl Iterator<Item = DVec3> {
+        let rays = &self.truth.rays;
+        let near = self.shadows.iter().filter(move |cast| matches!(cast.shadow.cover(r), Cover::Near(_)));
+        near.flat_map(|cast| cast.shadow.lines).flat_map(move |line| line.sides(r, rays).into_iter().flatten())
     }
 
     /// Whether a caster is there between the light and the facet's point on a ray.

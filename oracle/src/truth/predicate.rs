@@ -142,6 +142,15 @@ impl Line {
         Self { line, error, margin: AMBIGUITY * slope }
     }
 
+    /// The rays nearest to `r` on either side of the line, twice its error off it; none if the line is farther than [`AMBIGUITY`].
+    pub fn sides(&self, r: DVec3, rays: &PixelRays) -> Option<[DVec3; 2]> {
+        let (value, doubt) = (self.line.dot(r), 2.0 * self.error * r.length());
+        let (right, down) = (self.line.dot(rays.step_x), self.line.dot(rays.step_y));
+        let slope = right * right + down * down;
+        let side = |at: f64| r + (rays.step_x * right + rays.step_y * down) * ((at - value) / slope);
+        (slope > 0.0 && value.abs() <= self.margin).then(|| [side(-doubt), side(doubt)])
+    }
+
     /// The line where the plane of another triangle cuts the facet's, positive where that plane's normal points.
     pub fn of_plane(ground: FacetPlane, plane: &Plane, rays: &PixelRays) -> Self {
         Self::new(ground, plane.normal, plane.corners[0], plane.size, 1.0, rays)
