@@ -1,11 +1,11 @@
 // caster_positions: takes the positions of the casters from a vertex buffer that the application rewrites.
 // Reads `vertices` (position i in three words from word `offset + i * stride`) and `places` (two words a
 // vertex: its place among the casters' vertices, NO_PLACE where no triangle uses it; and the vertex which
-// that place takes its position from). Writes `positions` (16 bytes a place, three words of them, -0 as +0).
-// Counts into `faults` the places that lie outside the box or are no number, which are moved into it, and the
-// vertices that are not where the vertex of their place is.
+// that place takes its position from). Writes `positions` (16 bytes a place, three words of them, -0 as +0),
+// by a homography if there is one. Counts into `faults` the places that lie outside the box or are no number,
+// which are moved into it, and the vertices that are not where the vertex of their place is.
 
-//@import dispatch finite within_box
+//@import dispatch finite within_box homography
 
 const WORKGROUP = 64u;
 const NO_PLACE = 0xffffffffu;
@@ -21,6 +21,7 @@ struct CasterPositionsParams {
     pad_0: u32,
     pad_1: u32,
     pad_2: u32,
+    homography: Homography,
 }
 
 @group(0) @binding(0) var<uniform> params: CasterPositionsParams;
@@ -53,10 +54,12 @@ fn gather(
     let bits = taken(v);
     if any(bits != taken(places[v].y)) { atomicAdd(&faults[FAULT_PARTED], 1u); }
     if places[v].y != v { return; }
+    let p = mapped(params.homography, bitcast<vec3<f32>>(bits));
+    let moved = bitcast<vec3<u32>>(p);
     for (var k = 0u; k < 3u; k++) {
-        positions[place][k] = within(bits[k], params.box_low[k], params.box_high[k]);
+        let bits = select(moved[k], 0u, moved[k] == 0x80000000u);
+        positions[place][k] = within(bits, params.box_low[k], params.box_high[k]);
     }
-    let p = bitcast<vec3<f32>>(bits);
     if !(all_finite(p) && all(p >= params.box_low) && all(p <= params.box_high)) {
         atomicAdd(&faults[FAULT_OUTSIDE], 1u);
     }

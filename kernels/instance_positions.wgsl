@@ -1,10 +1,11 @@
 // instance_positions: places the vertices of instances by their transforms.
 // Reads `sources` (two words a place: vertex of the meshes, instance), `vertices` (of all meshes, 16 bytes
 // each) and `transforms`: from word `offset` on 12 words an instance, three rows of a matrix whose fourth
-// column is added. Writes `positions` (16 bytes a place, three words of them, -0 as +0). Counts into
-// `faults` the places that lie outside the box or are no number, which are moved into it.
+// column is added. Writes `positions` (16 bytes a place, three words of them, -0 as +0), by a homography if
+// there is one. Counts into `faults` the places that lie outside the box or are no number, which are moved
+// into it.
 
-//@import dispatch within_box
+//@import dispatch within_box homography
 
 const WORKGROUP = 64u;
 const FAULT_OUTSIDE = 0u;
@@ -14,6 +15,7 @@ struct InstancePositionsParams {
     count: u32,
     box_high: vec3<f32>,
     offset: u32,
+    homography: Homography,
 }
 
 @group(0) @binding(0) var<uniform> params: InstancePositionsParams;
@@ -40,7 +42,7 @@ fn transform(
     let p = vec4(vertices[source.x].xyz, 1.0);
     let first = params.offset + 12u * source.y;
     let turned = vec3(dot(row(first), p), dot(row(first + 4u), p), dot(row(first + 8u), p));
-    let moved = bitcast<vec3<u32>>(turned);
+    let moved = bitcast<vec3<u32>>(mapped(params.homography, turned));
     var outside = false;
     for (var k = 0u; k < 3u; k++) {
         let bits = select(moved[k], 0u, moved[k] == 0x80000000u);

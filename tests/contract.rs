@@ -9,7 +9,7 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::layout::{Field, Shared};
 use subpixel_shadows::gpu::source::write_bare;
 use subpixel_shadows::gpu::{Profile, kernels};
-use subpixel_shadows::scene::Edge;
+use subpixel_shadows::scene::{Edge, Homography};
 use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
@@ -89,6 +89,7 @@ fn registry() -> Vec<Registered> {
         of::<Need>(),
         of::<StatusHead>(),
         of::<StatusBand>(),
+        of::<Homography>(),
         of::<caster_positions::CasterPositionsParams>(),
         of::<instance_positions::InstancePositionsParams>(),
         of::<compact::CompactParams>(),

@@ -3,6 +3,7 @@
 use crate::harness::Case;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::scene::Homography;
 use subpixel_shadows::stages::caster_positions::{CasterPositions, Vertices};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
@@ -26,7 +27,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             flops: 0,
             record: Box::new(move |s| {
                 let from = Vertices { buffer: vertices.raw(), offset: 0, stride: 4 * words as u64 };
-                stage.record(s, from, &places, [[-1.0; 3], [1.0; 3]], &positions, &faults)
+                stage.record(s, from, &places, ([[-1.0; 3], [1.0; 3]], Homography::default()), &positions, &faults)
             }),
         });
     }

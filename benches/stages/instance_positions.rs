@@ -3,6 +3,7 @@
 use crate::harness::Case;
 use subpixel_shadows::Result;
 use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::scene::Homography;
 use subpixel_shadows::stages::instance_positions::{InstancePositions, Transforms};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
@@ -25,7 +26,15 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: size * 21,
         record: Box::new(move |s| {
             let given = (Transforms { buffer: transforms.raw(), offset: 0 }, instances);
-            stage.record(s, given, &sources, &vertices, [[-1.0; 3], [1.0; 3]], (&positions, 0), &faults)
+            stage.record(
+                s,
+                given,
+                &sources,
+                &vertices,
+                ([[-1.0; 3], [1.0; 3]], Homography::default()),
+                (&positions, 0),
+                &faults,
+            )
         }),
     }])
 }

@@ -175,7 +175,8 @@ pub mod caster_positions {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/dispatch", "shared/math/finite", "shared/math/within_box", "caster_positions",
+        "shared/frame/dispatch", "shared/math/finite", "shared/math/within_box", "shared/math/homography",
+        "caster_positions",
     }
     constants! {
         WORKGROUP = 64, NO_PLACE = 4294967295, FAULT_OUTSIDE = 0, FAULT_PARTED = 1,
@@ -604,7 +605,8 @@ pub mod instance_positions {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/dispatch", "shared/math/finite", "shared/math/within_box", "instance_positions",
+        "shared/frame/dispatch", "shared/math/finite", "shared/math/within_box", "shared/math/homography",
+        "instance_positions",
     }
     constants! {
         WORKGROUP = 64, FAULT_OUTSIDE = 0,

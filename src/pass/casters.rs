@@ -175,19 +175,20 @@ impl CasterSet {
         inputs: &Inputs,
         faults: &Buffer<u32>,
     ) -> Result<()> {
-        let positions = &self.buffers.positions;
+        let (positions, homography) = (&self.buffers.positions, inputs.map_of_places());
         if let Some(parts) = &self.parts {
-            return parts.record_moves(rec, gather, inputs.parts, positions, faults);
+            return parts.record_moves(rec, gather, (inputs.parts, homography), positions, faults);
         }
         match (&self.moves, &inputs.moved, &inputs.placed) {
             (Some(Moves::Vertices(places)), Some(moved), _) => {
                 let stage = &mut rec.stage("caster_positions");
-                gather.record(stage, moved.vertices, places, moved.bounds, positions, faults)
+                gather.record(stage, moved.vertices, places, (moved.bounds, homography), positions, faults)
             }
             (Some(Moves::Transforms { instances, sources, vertices, stage: with }), _, Some(placed)) => {
                 let stage = &mut rec.stage("instance_positions");
                 let transforms = (placed.transforms, *instances);
-                with.record(stage, transforms, sources, vertices, placed.bounds, (positions, 0), faults)
+                let to = (placed.bounds, homography);
+                with.record(stage, transforms, sources, vertices, to, (positions, 0), faults)
             }
             _ => Ok(()),
         }

@@ -32,6 +32,11 @@ impl ShadowPass {
         self.bounds_of(inputs)
     }
 
+    /// The middle of the casters.
+    pub(super) fn middle_of(&self, inputs: &Inputs) -> Result<DVec3> {
+        self.bounds_of(inputs).map(|(low, high)| 0.5 * (low + high))
+    }
+
     fn check_gbuffer(&self, &Inputs { gbuffer, camera, origin, .. }: &Inputs) -> Result<()> {
         let refuse = |text: &str| Err(Error::Config(text.to_owned()));
         let part = ImagePart { size: self.settings.size, origin };

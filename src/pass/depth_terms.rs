@@ -1,6 +1,6 @@
 //! Depth buffers of an application: what their values are of, and whether that is the camera's.
 
-use crate::scene::{Camera, Lens, PerspectiveTerms, inverse_near};
+use crate::scene::{Camera, Lens, OrthographicView, PerspectiveTerms, inverse_near};
 use crate::{Error, Result};
 
 /// How a depth buffer holds depth: at view depth `z` (distance from the eye along the view direction, world units) the value
@@ -68,6 +68,18 @@ impl DepthTerms {
         let middle = 0.25 * (top_left + top_right + right_low + left_low);
         let tilt = [top_right - top_left, top_left - left_low].map(|by| (-0.5 * by) as f32);
         let [scale, offset] = [1.0 - middle, 1.0 / most].map(|c| c as f32);
+        Self { scale, offset, w_scale: 1.0, w_offset: 0.0, tilt, image: None }
+    }
+
+    /// Of an orthographic camera's depth buffer, in its mapped world: 0 at the first of two distances ahead of the eye, 1 at the second; of a reversed one
+    /// the first is the farther. The camera's [near distance](crate::scene::Orthographic::near) must be the nearer of the two.
+    pub fn orthographic(view: &OrthographicView, [none, one]: [f32; 2]) -> Self {
+        let per_distance = 1.0 / (f64::from(one) - f64::from(none));
+        // The inverse depth at a value of 0, and what it gains to a value of 1.
+        let [at_eye, gain] = view.inverse_depth;
+        let [zero, gain] = [at_eye + gain * f64::from(none), gain / per_distance];
+        let [scale, offset] = [-zero / gain, 1.0 / gain].map(|c| c as f32);
+        let tilt = view.inverse_tilt.map(|by| (-by / gain) as f32);
         Self { scale, offset, w_scale: 1.0, w_offset: 0.0, tilt, image: None }
     }
 

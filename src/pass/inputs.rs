@@ -3,7 +3,7 @@
 use super::textures::{ImagePart, check_sampled};
 use super::{GBuffer, ListedTarget, UploadedCasters};
 use crate::methods::Prepared;
-use crate::scene::{AlphaTested, Camera, Light};
+use crate::scene::{AlphaTested, Camera, Homography, Light, OrthographicView};
 use crate::stages::caster_positions::Vertices;
 use crate::stages::instance_positions::Transforms;
 use crate::stages::pixel_counts::PixelCounts;
@@ -192,6 +192,10 @@ pub struct Inputs<'a> {
     /// The camera. A G-buffer must be drawn with its projection, jitter included ([`Camera::of_matrices`]): of a depth buffer
     /// [`DepthTerms::of_projection`](super::DepthTerms::of_projection) sees to it; of others nobody can.
     pub camera: &'a Camera,
+    /// What the world is mapped by, of an orthographic camera ([`Inputs::orthographic`]): casters, which move or are instances, and the light are given where
+    /// they are in the world. Range and cone of the light are then not made use of. It takes no casters that are alpha-tested or stand, no histories, no
+    /// lists of lights, and of surfaces in a G-buffer their depths alone.
+    pub homography: Option<&'a Homography>,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,
     /// Layers that the light is in, a bit each, of those that triangles [cast and receive](crate::scene::Roles) in; all of them if nothing else is said.
@@ -220,6 +224,7 @@ impl<'a> Inputs<'a> {
     pub fn new(camera: &'a Camera, light: &'a Light) -> Self {
         Self {
             camera,
+            homography: None,
             light,
             layers: u8::MAX,
             reach: LightReach::EVERYWHERE,
@@ -230,6 +235,16 @@ impl<'a> Inputs<'a> {
             gbuffer: GBuffer::None,
             origin: None,
         }
+    }
+
+    /// A frame of an orthographic camera, without a G-buffer.
+    pub fn orthographic(view: &'a OrthographicView, light: &'a Light) -> Self {
+        Self { homography: Some(&view.homography), ..Self::new(&view.camera, light) }
+    }
+
+    /// What the homography does not map by itself.
+    pub(super) fn map_of_places(&self) -> Homography {
+        self.homography.copied().unwrap_or_default()
     }
 }
 

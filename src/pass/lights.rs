@@ -1,5 +1,6 @@
 //! Several lights in one frame, and several points of one light.
 
+use super::mapped::mapped_points;
 use super::{FramePart, Inputs, LightTarget, ShadowPass, Surfaces, Target};
 use crate::gpu::Buffer;
 use crate::methods::facet_masks::Extent;
@@ -23,13 +24,12 @@ impl ShadowPass {
         lights: &[LightTarget],
     ) -> Result<Vec<u64>> {
         self.check_several(lights.len(), "lights")?;
-        for LightTarget { light, layers, reach, target } in lights {
-            self.check(&Inputs { light, layers: *layers, reach: *reach, ..*inputs }, target)?;
-        }
+        let mapped = |to| self.mapped(&of_light(inputs, to), &to.target);
+        let mapped = lights.iter().map(mapped).collect::<Result<Vec<_>>>()?;
         let mut numbers = Vec::with_capacity(lights.len());
         let mut found = false;
-        for LightTarget { light, layers, reach, target } in lights {
-            let inputs = Inputs { light, layers: *layers, reach: *reach, ..*inputs };
+        for (mapped, LightTarget { target, .. }) in mapped.iter().zip(lights) {
+            let inputs = mapped.get();
             let extent = self.extent(&inputs);
             let part = FramePart { extent, strip: None, surfaces: surfaces(lights.len(), found), point: None };
             numbers.push(self.record_part(encoder, &inputs, target, part)?);
@@ -61,8 +61,11 @@ impl ShadowPass {
         if target.listed.is_some() {
             return Err(Error::Config("lists of lights: a light of some extent is in none".to_owned()));
         }
-        let (low, high) = self.check(&Inputs { light: &light.light, ..*inputs }, target)?;
-        self.record_points(encoder, inputs, &light.points(0.5 * (low + high)), target, (None, None))
+        let inputs = &Inputs { light: &light.light, ..*inputs };
+        let mapped = self.mapped(inputs, target)?;
+        let points = light.points(self.middle_of(inputs)?);
+        let points = mapped_points(inputs.map_of_places(), &points)?;
+        self.record_points(encoder, &mapped.get(), &points, target, (None, None))
     }
 
     /// Refuses several lights where one picture, or frames before, are kept.
@@ -123,6 +126,11 @@ impl ShadowPass {
         }
         Ok(numbers)
     }
+}
+
+/// Inputs of a frame, of one of several lights.
+fn of_light<'a>(inputs: &Inputs<'a>, to: &'a LightTarget) -> Inputs<'a> {
+    Inputs { light: &to.light, layers: to.layers, reach: to.reach, ..*inputs }
 }
 
 /// Who finds what the camera sees, for one of so many lights; `found`: one before has.

@@ -50,6 +50,7 @@ mod kept_maps;
 mod light_lists;
 mod lights;
 mod lit_masks;
+mod mapped;
 mod part_changes;
 mod parts;
 mod recording;
@@ -388,9 +389,10 @@ impl ShadowPass {
     /// recording, for a buffer of some words: the encoder then holds a part of a frame that has no status, and is to be dropped. A later
     /// frame is as if there had been no error.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs, target: &Target) -> Result<u64> {
-        self.check(inputs, target)?;
-        let part = FramePart { extent: self.extent(inputs), strip: None, surfaces: Surfaces::Own, point: None };
-        self.record_part(encoder, inputs, target, part)
+        let mapped = self.mapped(inputs, target)?;
+        let extent = self.extent(&mapped.get());
+        let part = FramePart { extent, strip: None, surfaces: Surfaces::Own, point: None };
+        self.record_part(encoder, &mapped.get(), target, part)
     }
 
     /// How the oldest frame came out that the GPU is done with and that was not asked for yet; `None` if there is none. Does
@@ -450,8 +452,7 @@ impl ShadowPass {
         self.last.as_ref().map_or(self.image.visibility(), |(_, held)| &held.visibility).raw()
     }
 
-    /// The lit samples of the last frame, as [`Target::lit`] describes them; else as [`ShadowPass::visibility`]. `None` for a method that
-    /// keeps none.
+    /// The lit samples of the last frame, as [`Target::lit`] describes them; else as [`ShadowPass::visibility`]. `None` where the method keeps none.
     pub fn lit(&self) -> Option<&wgpu::Buffer> {
         self.last.as_ref().map_or(self.image.lit(), |(_, held)| held.lit.as_ref()).map(Buffer::raw)
     }

@@ -12,7 +12,7 @@ use crate::gpu::{Buffer, Recorder, StagedUploads, Uploads};
 use crate::methods::Prepared;
 use crate::methods::prepared::{CasterBuffers, MeshBuffers, padded};
 use crate::scene::adjacency::Edge;
-use crate::scene::{Camera, Light, Mesh};
+use crate::scene::{Camera, Homography, Light, Mesh};
 use crate::stages::caster_positions::CasterPositions;
 use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
@@ -241,6 +241,11 @@ impl PartSet {
         self.parts.values().all(|part| matches!(part.source, PlaceSource::Standing))
     }
 
+    /// Whether some part stands.
+    pub fn any_stands(&self) -> bool {
+        self.parts.values().any(|part| matches!(part.source, PlaceSource::Standing))
+    }
+
     /// Whether some triangles are alpha-tested.
     pub fn are_tested(&self) -> bool {
         self.parts.values().any(|part| !part.prepared.alpha().is_empty())
@@ -326,7 +331,7 @@ impl PartSet {
         &self,
         rec: &mut Recorder,
         gather: &CasterPositions,
-        places: &[PartPlace],
+        (places, homography): (&[PartPlace], Homography),
         positions: &Buffer<[f32; 4]>,
         faults: &Buffer<u32>,
     ) -> Result<()> {
@@ -337,7 +342,7 @@ impl PartSet {
             let stage = &mut rec.stage("caster_positions");
             for place in places {
                 if let (Some((PlaceSource::Vertices(of), _)), PartAt::Moved(moved)) = (sources(place), &place.at) {
-                    gather.record(stage, moved.vertices, of, moved.bounds, positions, faults)?;
+                    gather.record(stage, moved.vertices, of, (moved.bounds, homography), positions, faults)?;
                 }
             }
         }
@@ -351,7 +356,7 @@ impl PartSet {
                 {
                     let transforms = (placed.transforms, *instances);
                     let to = (positions, first);
-                    self.stage.record(stage, transforms, sources, vertices, placed.bounds, to, faults)?;
+                    self.stage.record(stage, transforms, sources, vertices, (placed.bounds, homography), to, faults)?;
                 }
             }
         }

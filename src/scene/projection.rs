@@ -38,7 +38,9 @@ impl PerspectiveTerms {
             return refuse(format!("its divisor, row {w:?}, depends on x or y"));
         }
         if w[2] == 0.0 {
-            return refuse(format!("its divisor, row {w:?}, is not of a perspective one: the camera is orthographic"));
+            return refuse(format!(
+                "its divisor, row {w:?}, is not of a perspective one: a camera of parallel rays is an Orthographic"
+            ));
         }
         if x[3] != 0.0 || y[3] != 0.0 || w[3] != 0.0 {
             return refuse(format!("its eye is not the origin: it adds ({}, {}) and divides by {}", x[3], y[3], w[3]));
@@ -99,16 +101,22 @@ pub(crate) fn inverse_near([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     if b < 0.0 { [a, x, y].map(|of| -of / b) } else { [c - a, -x, -y].map(|of| of / b) }
 }
 
-impl Camera {
-    /// The camera of a view matrix (world to view space) and a projection (view to clip space as wgpu has it), of an image of `width` x
-    /// `height` pixels. Off-centre, jittered, left-handed, with oblong pixels, infinite or reversed depth, an oblique near plane: all of these. Surfaces
-    /// nearer than the near plane are not seen; there is no far plane. Eye and directions are rounded to `f32`, as the matrices are.
+/// What a view matrix says: a turn, a shift and an even scale.
+pub(super) struct ViewAxes {
+    eye: Vec3,
+    /// Unit directions of y and z of view space.
+    pub up: DVec3,
+    back: DVec3,
+    /// Units of view space by those of the world.
+    pub scale: f64,
+}
+
+impl ViewAxes {
+    /// Takes a matrix (world to view space) apart.
     ///
     /// # Errors
-    /// [`Error::Config`], with the numbers, for an orthographic projection and what else no camera can say ([`PerspectiveTerms::new`]); for a view that is no turn, shift and even scale, or mirrored (which the projection may be). [`Error::Scene`] as
-    /// [`Camera::check`].
-    pub fn of_matrices(view: &[[f32; 4]; 4], projection: &[[f32; 4]; 4], [width, height]: [u32; 2]) -> Result<Self> {
-        let projection = PerspectiveTerms::new(projection)?;
+    /// [`Error::Config`], with the numbers, for one that is no turn, shift and even scale, or mirrored.
+    pub fn new(view: &[[f32; 4]; 4]) -> Result<Self> {
         let refuse = |why: String| Err(Error::Config(format!("view: {why}")));
         if !view.iter().flatten().all(|c| c.is_finite()) {
             return refuse(format!("{view:?} is not finite"));
@@ -128,20 +136,40 @@ impl Camera {
         if turn.determinant() < 0.0 {
             return refuse("it is mirrored: a left-handed camera has a left-handed projection".to_owned());
         }
+        let [_, up, back] = turn.transpose().to_cols_array_2d().map(|row| DVec3::from(row) / scale);
+        Ok(Self { eye: (turn.inverse() * -columns[3]).as_vec3(), up, back, scale })
+    }
+
+    /// The eye, and a point on the view ahead: along z of view space if `ahead` is 1, against it if -1.
+    pub fn eye_and_target(&self, ahead: f64) -> ([f32; 3], [f32; 3]) {
+        // So far away that rounding the point moves no direction.
+        let far_off = 4.0 * self.eye.abs().max_element().max(1.0);
+        let target = self.eye.as_dvec3() + (self.back * ahead).normalize() * f64::from(far_off);
+        (self.eye.into(), target.as_vec3().into())
+    }
+}
+
+impl Camera {
+    /// The camera of a view matrix (world to view space) and a projection (view to clip space as wgpu has it), of an image of `width` x
+    /// `height` pixels. Off-centre, jittered, left-handed, with oblong pixels, infinite or reversed depth, an oblique near plane: all of these. Surfaces
+    /// nearer than the near plane are not seen; there is no far plane. Eye and directions are rounded to `f32`, as the matrices are.
+    ///
+    /// # Errors
+    /// [`Error::Config`], with the numbers, for an orthographic projection ([`Orthographic`](super::Orthographic) takes these) and what else no camera can say ([`PerspectiveTerms::new`]); for a view that is no turn, shift and even scale, or mirrored (which the projection may be). [`Error::Scene`] as
+    /// [`Camera::check`].
+    pub fn of_matrices(view: &[[f32; 4]; 4], projection: &[[f32; 4]; 4], [width, height]: [u32; 2]) -> Result<Self> {
+        let projection = PerspectiveTerms::new(projection)?;
+        let axes = ViewAxes::new(view)?;
+        let scale = axes.scale;
         let oblique = projection.tilt != [0.0; 2];
         let [near, far] = if oblique { [scale, f64::INFINITY] } else { projection.range()? };
-        let [_, up, back] = turn.transpose().to_cols_array_2d().map(|row| DVec3::from(row) / scale);
-        let eye = (turn.inverse() * -columns[3]).as_vec3();
-        let forward = back * projection.ahead;
-        // So far away that rounding the point moves no direction.
-        let far_off = 4.0 * eye.abs().max_element().max(1.0);
-        let target = (eye.as_dvec3() + forward.normalize() * f64::from(far_off)).as_vec3();
+        let (eye, target) = axes.eye_and_target(projection.ahead);
         let [fx, fy] = projection.focal;
         let aspect = fy / fx * f64::from(height) / f64::from(width);
         let camera = Self {
-            eye: eye.into(),
-            target: target.into(),
-            up: (up * projection.turned[1]).as_vec3().into(),
+            eye,
+            target,
+            up: (axes.up * projection.turned[1]).as_vec3().into(),
             vertical_fov_degrees: ((1.0 / fy).atan() * 2.0).to_degrees() as f32,
             near: (near / scale) as f32,
             far: (far / scale).min(f64::from(f32::MAX)) as f32,
@@ -306,7 +334,7 @@ mod tests {
                 (1, 3, 0.5, "0.5"),
                 (1, 1, 0.0, "y by 0"),
                 (1, 1, f32::NAN, "NaN"),
-                (2, 3, 0.0, "orthographic"),
+                (2, 3, 0.0, "Orthographic"),
                 (3, 2, -0.1, "near and a far"),
                 (2, 0, 17.0, "17"),
             ] {

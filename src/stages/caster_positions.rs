@@ -5,7 +5,7 @@
 //! - **Writes** `positions`, 16 bytes a place: three `f32`, and a word that is left alone; counts into `faults` the places outside the box or without a number
 //!   ([`FAULT_OUTSIDE`]; they are moved into the box), and the vertices that are no longer at the point they share with the
 //!   vertex of their place ([`FAULT_PARTED`]).
-//! - **Guarantee.** Bits are copied (−0 as +0); no place outside the box is ever written.
+//! - **Guarantee.** Without a homography bits are copied (−0 as +0), else a position is mapped in single precision; no place outside the box is ever written.
 //! - **Cost.** One dispatch; two positions read and one written a vertex.
 
 use crate::Result;
@@ -14,6 +14,7 @@ use crate::gpu::given::GivenElements;
 use crate::gpu::kernels::caster_positions as kernel;
 pub use crate::gpu::kernels::caster_positions::{FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE};
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
+use crate::scene::Homography;
 use crate::shared_struct;
 
 shared_struct! {
@@ -35,6 +36,8 @@ shared_struct! {
         pub pad_1: u32,
         /// Unused.
         pub pad_2: u32,
+        /// What positions are mapped by.
+        pub homography: Homography,
     }
 }
 
@@ -84,7 +87,7 @@ impl CasterPositions {
     }
 
     /// Records the copy of all vertices that `places` names (place and source vertex of each). `bounds` are the lowest and
-    /// the highest corner of a box that holds them.
+    /// the highest corner of a box that holds them, mapped by the homography.
     ///
     /// # Errors
     /// As [`Vertices::check`]; [`crate::Error::Config`] if `faults` is too short.
@@ -93,7 +96,7 @@ impl CasterPositions {
         stage: &mut Stage,
         vertices: Vertices,
         places: &Buffer<[u32; 2]>,
-        bounds: [[f32; 3]; 2],
+        (bounds, homography): ([[f32; 3]; 2], Homography),
         positions: &Buffer<[f32; 4]>,
         faults: &Buffer<u32>,
     ) -> Result<()> {
@@ -110,6 +113,7 @@ impl CasterPositions {
             box_high: bounds[1],
             offset: ((vertices.offset - first) / 4) as u32,
             stride: (vertices.stride / 4) as u32,
+            homography,
             ..CasterPositionsParams::default()
         };
         let params = self.uniforms.get(stage.device, &params)?;

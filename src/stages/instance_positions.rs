@@ -13,6 +13,7 @@ use crate::gpu::given::GivenElements;
 use crate::gpu::kernels::instance_positions as kernel;
 pub use crate::gpu::kernels::instance_positions::FAULT_OUTSIDE;
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
+use crate::scene::Homography;
 use crate::shared_struct;
 
 shared_struct! {
@@ -26,6 +27,8 @@ shared_struct! {
         pub box_high: [f32; 3],
         /// Word of the first transform.
         pub offset: u32,
+        /// What transformed positions are mapped by.
+        pub homography: Homography,
     }
 }
 
@@ -96,7 +99,7 @@ impl InstancePositions {
     }
 
     /// Records the places of all vertices of `instances` instances, the first as element `first` of `positions`, which a binding can begin at.
-    /// `sources` has the vertex and the instance of each place; `bounds` are the lowest and the highest corner of a box that holds them.
+    /// `sources` has the vertex and the instance of each place; `bounds` are the lowest and the highest corner of a box that holds them, mapped by the homography.
     ///
     /// # Errors
     /// As [`Transforms::check`]; [`crate::Error::Config`] if `faults` or `positions` is too short.
@@ -107,7 +110,7 @@ impl InstancePositions {
         (transforms, instances): (Transforms, usize),
         sources: &Buffer<[u32; 2]>,
         vertices: &Buffer<[f32; 4]>,
-        bounds: [[f32; 3]; 2],
+        (bounds, homography): ([[f32; 3]; 2], Homography),
         (positions, first): (&Buffer<[f32; 4]>, usize),
         faults: &Buffer<u32>,
     ) -> Result<()> {
@@ -124,6 +127,7 @@ impl InstancePositions {
             count: sources.len() as u32,
             box_high: bounds[1],
             offset: ((transforms.offset - bound) / 4) as u32,
+            homography,
         };
         let params = self.uniforms.get(stage.device, &params)?;
         let bindings = kernel::Transform {

@@ -31,10 +31,10 @@ fn number(at: Corner) -> @location(0) u32 {
 /// Matrices of an application, and what its depth buffer is cleared to.
 #[derive(Clone, Copy)]
 pub(crate) struct Eye {
-    name: &'static str,
-    view: Mat4,
-    projection: Mat4,
-    nothing: f32,
+    pub(crate) name: &'static str,
+    pub(crate) view: Mat4,
+    pub(crate) projection: Mat4,
+    pub(crate) nothing: f32,
 }
 
 impl Eye {
@@ -56,7 +56,7 @@ impl Eye {
 /// Triangle numbers and depth, drawn into a viewport.
 pub(crate) struct Drawn {
     pub(crate) ids: wgpu::Texture,
-    depth: wgpu::Texture,
+    pub(crate) depth: wgpu::Texture,
 }
 
 pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
@@ -190,7 +190,7 @@ fn behind(projection: Mat4, plane: Vec4) -> Mat4 {
 }
 
 /// Depth turned round, from 1 to 0.
-fn turned_round(projection: Mat4) -> Mat4 {
+pub(crate) fn turned_round(projection: Mat4) -> Mat4 {
     let [x, y, z, w] = [0, 1, 2, 3].map(|k| projection.row(k));
     Mat4::from_cols(x, y, w - z, w).transpose()
 }

@@ -3,6 +3,7 @@
 
 mod frames;
 mod light_lists;
+mod orthographic;
 mod receivers;
 mod roles;
 mod samples;

@@ -3,6 +3,7 @@
 use crate::support::{POISON, Random, difference, gpu, poisoned, run, sizes_around, small_gpu, upload};
 use oracle::reference::caster_positions::{Gathered, gather};
 use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::scene::Homography;
 use subpixel_shadows::stages::caster_positions::{CasterPositions, FAULT_OUTSIDE, FAULT_PARTED, NO_PLACE, Vertices};
 use test_support::gpu_test;
 
@@ -16,6 +17,7 @@ struct Case {
     count: usize,
     /// Words before the first position, and from one to the next.
     layout: [usize; 2],
+    homography: Homography,
 }
 
 impl Case {
@@ -41,7 +43,7 @@ impl Case {
             }
             vertices.push(point);
         }
-        Self { vertices, places, count: taken as usize, layout }
+        Self { vertices, places, count: taken as usize, layout, homography: Homography::default() }
     }
 
     fn ask(&self, gpu: &Gpu) -> Result<Gathered, String> {
@@ -59,7 +61,7 @@ impl Case {
         faults.write(&gpu.queue, &[0, 0]);
         let vertices = Vertices { buffer: source.raw(), offset: 4 * first as u64, stride: 4 * stride as u64 };
         let stage = CasterPositions::new(&gpu.device);
-        run(gpu, |s| stage.record(s, vertices, &places, BOX, &positions, &faults));
+        run(gpu, |s| stage.record(s, vertices, &places, (BOX, self.homography), &positions, &faults));
         let mut got = positions.read(gpu).expect("readback");
         let faults = faults.read(gpu).expect("readback");
         let beyond = got.pop().expect("one more");
@@ -71,7 +73,7 @@ impl Case {
     }
 
     fn wanted(&self) -> Gathered {
-        gather(&self.vertices, &self.places, self.count, BOX)
+        gather(&self.vertices, &self.places, self.count, (BOX, &self.homography))
     }
 }
 
@@ -90,14 +92,20 @@ fn check(gpu: &Gpu, case: &Case) -> Gathered {
 
 #[gpu_test]
 fn empty() {
-    let none = Case { vertices: Vec::new(), places: Vec::new(), count: 0, layout: [0, 3] };
+    let none = Case { count: 0, ..Case::new(0, [0, 3], &mut Random::new(1)) };
     assert_eq!(check(gpu(), &none), Gathered::default());
 }
 
 #[gpu_test]
 fn one() {
     for layout in [[0, 3], [1, 3], [70, 8]] {
-        let one = Case { vertices: vec![[0.5, -0.0, 1.5]], places: vec![[0, 0]], count: 1, layout };
+        let one = Case {
+            vertices: vec![[0.5, -0.0, 1.5]],
+            places: vec![[0, 0]],
+            count: 1,
+            layout,
+            homography: Homography::default(),
+        };
         assert_eq!(check(gpu(), &one).positions[0].map(f32::to_bits), [0.5f32, 0.0, 1.5].map(f32::to_bits));
     }
 }
@@ -116,6 +124,24 @@ fn random_seeded() {
         let got = check(gpu(), &Case::new(3000, layout, &mut random));
         assert_eq!((got.outside, got.parted), (0, 0));
     }
+}
+
+/// Positions by a homography come where it says, to what single precision loses; the box, which takes some in, is that of the mapped ones.
+#[gpu_test]
+fn mapped() {
+    let case = Case { homography: crate::support::HOMOGRAPHY, ..Case::new(3000, [1, 4], &mut Random::new(61)) };
+    let got = case.ask(gpu()).expect("nothing past the end");
+    let off = |case: &Case| {
+        let want = case.wanted();
+        let far = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|k| (a[k] - b[k]).abs() > 1e-5);
+        let places = got.positions.iter().zip(&want.positions).filter(|of| far(*of)).count();
+        (places, got.outside.abs_diff(want.outside), got.parted.abs_diff(want.parted))
+    };
+    assert!((100..2000).contains(&got.outside), "{} outside", got.outside);
+    assert!(matches!(off(&case), (0, 0..=1, 0)), "{:?}", off(&case));
+    let mut other = case.clone();
+    other.homography.divisor[1] += 0.01;
+    assert!(off(&other).0 > 100, "another homography");
 }
 
 /// No numbers, values far outside, vertices that have parted: counted, and what is written lies in the box.

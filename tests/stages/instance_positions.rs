@@ -3,6 +3,7 @@
 use crate::support::{POISON, Random, gpu, poisoned, run, sizes_around, small_gpu, upload};
 use oracle::reference::instance_positions::{PlacedVertices, place};
 use subpixel_shadows::gpu::{Buffer, Gpu};
+use subpixel_shadows::scene::Homography;
 use subpixel_shadows::stages::instance_positions::{FAULT_OUTSIDE, InstancePositions, Transforms};
 use test_support::gpu_test;
 
@@ -15,6 +16,7 @@ struct Case {
     sources: Vec<[u32; 2]>,
     transforms: Vec<[[f32; 4]; 3]>,
     before: usize,
+    homography: Homography,
 }
 
 impl Case {
@@ -36,6 +38,7 @@ impl Case {
                 })
                 .collect(),
             before,
+            homography: Homography::default(),
         }
     }
 
@@ -52,7 +55,7 @@ impl Case {
         faults.write(&gpu.queue, &[0]);
         let given = (Transforms { buffer: transforms.raw(), offset: 4 * self.before as u64 }, self.transforms.len());
         let stage = InstancePositions::new(&gpu.device);
-        run(gpu, |s| stage.record(s, given, &sources, &vertices, BOX, (&positions, 0), &faults));
+        run(gpu, |s| stage.record(s, given, &sources, &vertices, (BOX, self.homography), (&positions, 0), &faults));
         let mut got = positions.read(gpu).expect("readback");
         let faults = faults.read(gpu).expect("readback");
         let beyond = got.pop().expect("one more").map(f32::to_bits);
@@ -62,14 +65,17 @@ impl Case {
     }
 
     fn wanted(&self) -> PlacedVertices {
-        place(&self.vertices, &self.sources, &self.transforms, BOX)
+        place(&self.vertices, &self.sources, &self.transforms, (BOX, &self.homography))
     }
 }
 
 /// Places that are off by more than rounding, told of. A place within rounding of the box's sides may count as inside or outside.
 fn fault(case: &Case, (positions, outside): &(Vec<[f32; 3]>, u32)) -> Option<String> {
     let want = case.wanted();
-    let off = |k: usize| (0..3).any(|c| (f64::from(positions[k][c]) - want.positions[k][c]).abs() > 1e-5);
+    // A homography divides by little where places are large.
+    let bound = |at: f64| if case.homography.is_none() { 1e-5 } else { 1e-5 * (1.0 + at * at) };
+    let far = |(got, want): (&f32, &f64)| (f64::from(*got) - want).abs() > bound(*want);
+    let off = |k: usize| positions[k].iter().zip(&want.positions[k]).any(far);
     let wrong = (0..positions.len()).filter(|k| off(*k)).count();
     (wrong > 0 || outside.abs_diff(want.outside) > 1)
         .then(|| format!("{wrong} places, {outside} outside for {}", want.outside))
@@ -113,6 +119,28 @@ fn random_seeded() {
     }
 }
 
+/// Places by a homography, some of them where it divides by less than 0.
+#[gpu_test]
+fn mapped() {
+    let mut random = Random::new(88);
+    let case = Case { homography: crate::support::HOMOGRAPHY, ..Case::new(3000, 2, &mut random) };
+    let outside = case.wanted().outside;
+    assert!((100..2900).contains(&outside), "{outside} outside");
+    check(gpu(), &case);
+    let got = case.ask(gpu());
+    for k in 0..4 {
+        let mut other = case.clone();
+        let row = [
+            &mut other.homography.origin,
+            &mut other.homography.right,
+            &mut other.homography.up,
+            &mut other.homography.divisor,
+        ];
+        row.into_iter().nth(k).expect("a row")[3] += 0.05;
+        assert!(fault(&other, &got).is_some(), "another row {k}");
+    }
+}
+
 /// A place without a number goes to the low corner, and −0 is +0.
 #[gpu_test]
 fn degenerate() {
@@ -122,6 +150,7 @@ fn degenerate() {
         sources: vec![[0, 0], [1, 0], [2, 0], [2, 1], [0, 1]],
         transforms: vec![same, [[f32::NAN; 4]; 3]],
         before: 0,
+        homography: Homography::default(),
     };
     let (positions, outside) = case.ask(gpu());
     assert_eq!(positions[0].map(f32::to_bits), [0; 3]);

@@ -15,11 +15,20 @@ pub mod surfaces;
 pub mod views;
 
 use subpixel_shadows::gpu::{Buffer, Gpu, Recorder, Stage};
+use subpixel_shadows::scene::Homography;
 use subpixel_shadows::{Result, wgpu};
 pub use test_support::gpu;
 
 /// What buffers hold before a stage runs: wgpu hands out zeros, which hide missing writes.
 pub const POISON: u32 = 0xdead_beef;
+
+/// A homography that divides by more than 0 in a box of some units, but not everywhere.
+pub const HOMOGRAPHY: Homography = Homography {
+    origin: [0.25, -0.5, 0.125, 3.0],
+    right: [0.9, 0.1, -0.2, 0.05],
+    up: [-0.1, 0.8, 0.3, -0.02],
+    divisor: [0.2, -0.3, 0.6, 2.5],
+};
 
 /// A device that runs at most `groups` workgroups along a dimension, and binds at most `binding` bytes: folding and
 /// banding at sizes a test can afford.
