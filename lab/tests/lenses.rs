@@ -3,9 +3,10 @@
 use glam::Vec3;
 use lab::fuzz::{FuzzCase, FuzzDevice, How, Kind, World, judge};
 use lab::scene::{CameraOverride, Lens, builtin};
-use subpixel_shadows::methods::{FacetMode, MethodName, Settings};
-use subpixel_shadows::render::Budget;
+use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
+use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::Camera;
 use test_support::gpu;
 use test_support::gpu_test;
 
@@ -100,6 +101,26 @@ fn oblique_near_planes_are_exact() {
         for facets in [FacetMode::All, FacetMode::One] {
             holds(&bench, name, &behind(name, facets, share, tilt));
         }
+    }
+}
+
+/// Every method shows behind an oblique near plane what facet masks do, whose surfaces are held against truth.
+#[gpu_test]
+fn every_method_sees_behind_an_oblique_near_plane() {
+    let FuzzCase { world, how, .. } = behind("windmill", FacetMode::One, 0.9, [0.3, 0.2, 0.0]);
+    let scene = world.scene().expect("a scene");
+    let prepared = Prepared::new(&scene.mesh).expect("a sound mesh");
+    let seen = |method: MethodName, camera: &Camera| {
+        let made = Renderer::of_method(gpu(), &prepared, method, &how.settings, Budget::default());
+        let mut renderer = made.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
+        renderer.render(camera, &scene.light).unwrap_or_else(|e| panic!("{}: {e}", method.name())).triangles
+    };
+    let wanted = seen(MethodName::FacetMasks, &scene.camera);
+    let plain = seen(MethodName::FacetMasks, &Camera { near_plane: None, ..scene.camera });
+    let cut = wanted.iter().zip(&plain).filter(|(a, b)| a != b).count();
+    assert!(cut > 100, "{cut} pixels are cut open");
+    for method in MethodName::ALL {
+        assert!(seen(method, &scene.camera) == wanted, "{}", method.name());
     }
 }
 
