@@ -10,7 +10,8 @@
 // bits of the view depth; 0 where nothing is seen) and the complement of the triangle as `id_keys`. Both must
 // be 0 before, and so must the counts in `doubts`.
 
-//@import frame dispatch pass pixel_ray facing double_float vertex facing_46 eye_order_46 camera_raster alpha
+//@import frame dispatch pass pixel_ray facing double_float vertex facing_46 eye_order_46 camera_raster
+//@import alpha mapped_view
 
 const WORKGROUP = 64u;
 const SETTLED = 0x80000000u;
@@ -85,7 +86,8 @@ fn is_hole(seen: Seen, at: vec3<f32>) -> bool {
     let i = triangles[seen.t];
     if !is_tested(i.w) { return false; }
     let ray = frame.ray_corner.xyz + at.y * frame.ray_x.xyz + at.z * frame.ray_y.xyz;
-    return !is_solid(i.w, points[i.x].xyz, points[i.y].xyz, points[i.z].xyz, vec3(0.0), ray);
+    let card = Card(points[i.x].xyz, points[i.y].xyz, points[i.z].xyz, mapped_ahead());
+    return !is_solid(i.w, card, vec3(0.0), ray);
 }
 
 // Takes a triangle in at a pixel that it covers and that is in doubt.

@@ -39,7 +39,8 @@ fn meets(c: Corners, given: vec4<u32>, point: vec3<f32>, depth: f32) -> bool {
     if !(depth_of(at) < depth - BIAS) { return false; }
     if ALPHA == 0u || !is_tested(given.w) { return true; }
     if !casts(given.w) { return false; }
-    return is_solid(given.w, points[given.x].xyz, points[given.y].xyz, points[given.z].xyz, point, way);
+    let card = Card(points[given.x].xyz, points[given.y].xyz, points[given.z].xyz, vec3(0.0));
+    return is_solid(given.w, card, point, way);
 }
 
 // Samples of `group`, all in one texel, that are in shadow.

@@ -1,7 +1,7 @@
 // The samples that a triangle covers in a pixel (pixel_coverage).
 
-//@import frame pixel_ray facing near_distance facing_46 double_float eye_edges eye_order_46 eye_view alpha
-//@import pixel_pair word_masks sample_copy
+//@import frame pixel_ray facing near_distance facing_46 double_float eye_edges eye_order_46 eye_view
+//@import alpha mapped_view pixel_pair word_masks sample_copy
 //@needs override WORDS: u32;
 //@needs var<uniform> frame: Frame;
 //@needs var<storage, read> triangles: array<vec4<u32>>;
@@ -74,7 +74,8 @@ fn decide(k: u32, pair: PixelPair, u: Corners, inside: bool, covered: ptr<functi
     let depth = eye_depth(u, ray);
     let word = triangles[pair.triangle].w;
     let begin = near_along(ray);
-    let hole = ALPHA != 0u && is_tested(word) && !is_solid(word, u.a, u.b, u.c, vec3(0.0), ray);
+    let card = Card(u.a, u.b, u.c, mapped_ahead());
+    let hole = ALPHA != 0u && is_tested(word) && !is_solid(word, card, vec3(0.0), ray);
     let there = (inside || covers_ray(u, ray)) && !hole && depth.x + depth.y >= begin;
     let near = is_near_open(depth, begin);
     let bit = bit_of(k);

@@ -58,15 +58,28 @@ fn is_solid_by(word: u32, shares: vec2<f32>) -> bool {
     return is_solid_at(more.z, uv);
 }
 
+// The corners of a triangle, and the view direction in a mapped world, else 0.
+struct Card { a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, ahead: vec3<f32> }
+
+// Shares of the second and the third corner where the triangle is in the world, by those in a world that a
+// homography maps: view depths of corners, which are relative to the eye, go as one by their divisors.
+fn world_shares(shares: vec2<f32>, card: Card) -> vec2<f32> {
+    if all(card.ahead == vec3(0.0)) { return shares; }
+    let depths = vec3(dot(card.a, card.ahead), dot(card.b, card.ahead), dot(card.c, card.ahead));
+    let parts = vec3(1.0 - shares.x - shares.y, shares) * depths;
+    return parts.yz / (parts.x + parts.y + parts.z);
+}
+
 // Whether a tested triangle with these corners is there where the line from a point along `way` crosses it
 // (Moeller, Trumbore 1997). Edge-on it counts as whole.
-fn is_solid(word: u32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, point: vec3<f32>, way: vec3<f32>) -> bool {
-    let ab = b - a;
-    let ac = c - a;
+fn is_solid(word: u32, card: Card, point: vec3<f32>, way: vec3<f32>) -> bool {
+    let ab = card.b - card.a;
+    let ac = card.c - card.a;
     let over = cross(way, ac);
     let scale = dot(ab, over);
     if scale == 0.0 { return true; }
-    let from_a = point - a;
+    let from_a = point - card.a;
     let across = cross(from_a, ab);
-    return is_solid_by(word, vec2(dot(from_a, over), dot(way, across)) / scale);
+    let shares = vec2(dot(from_a, over), dot(way, across)) / scale;
+    return is_solid_by(word, world_shares(shares, card));
 }

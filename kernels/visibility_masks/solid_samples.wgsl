@@ -1,6 +1,6 @@
 // Samples that an alpha-tested caster shadows (visibility_masks).
 
-//@import frame facing vertex shadow_lines alpha roles
+//@import frame facing vertex shadow_lines alpha mapped_view roles
 //@needs override WORDS: u32;
 //@needs override TWO_STEP: u32;
 //@needs var<uniform> frame: Frame;
@@ -11,6 +11,10 @@
 // rising index, positive inside. At a sample each is proportional to the share of the corner opposite.
 struct EdgeLines { centre: vec3<f32>, right: vec3<f32>, down: vec3<f32> }
 
+fn card_of(caster: vec4<u32>) -> Card {
+    return Card(point_of(caster.x), point_of(caster.y), point_of(caster.z), mapped_ahead());
+}
+
 // Shares of the second and the third corner as given, at an offset.
 fn shares_of(l: EdgeLines, caster: vec4<u32>, offset: vec2<f32>) -> vec2<f32> {
     let at = max(l.centre + offset.x * l.right + offset.y * l.down, vec3(0.0));
@@ -18,7 +22,7 @@ fn shares_of(l: EdgeLines, caster: vec4<u32>, offset: vec2<f32>) -> vec2<f32> {
     let parts = at.yzx / max(at.x + at.y + at.z, 1e-37);
     let share = vec2(dot(parts, select(vec3(0.0), vec3(1.0), i == vec3(caster.y))),
         dot(parts, select(vec3(0.0), vec3(1.0), i == vec3(caster.z))));
-    return share;
+    return world_shares(share, card_of(caster));
 }
 
 // Of the samples that a caster lies before all, or if it is alpha-tested those that are open still and before
@@ -45,9 +49,7 @@ fn solid_samples(f: u32, g: Ground, caster: vec4<u32>, edges: EdgeLines, mask: v
                 let moved = away.x * g.along_x + away.y * g.along_y;
                 let point = g.at + moved / (g.over.x + away.x * g.over.y + away.y * g.over.z);
                 let way = frame.light.xyz - frame.light.w * point;
-                let second = point_of(caster.y);
-                let third = point_of(caster.z);
-                there = is_solid(caster.w, point_of(caster.x), second, third, point, way);
+                there = is_solid(caster.w, card_of(caster), point, way);
             }
             if there { solid |= left & (0u - left); }
         }

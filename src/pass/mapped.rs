@@ -3,6 +3,7 @@
 use super::gbuffer::{GBuffer, SurfacePosition};
 use super::inputs::{Inputs, LightReach, Moved, PartAt, PartPlace, Placed};
 use super::{ShadowPass, Target};
+use crate::methods::MethodName;
 use crate::scene::{Homography, Light};
 use crate::{Error, Result};
 
@@ -64,8 +65,12 @@ impl ShadowPass {
         if standing {
             return refuse("casters that stand are not mapped: they can be given as instances");
         }
-        if self.casters.are_tested() {
-            return refuse("alpha-tested casters have no holes in a mapped world");
+        let method = self.maker.pipelines.method();
+        if self.casters.are_tested() && method != MethodName::FacetMasks {
+            return refuse(&format!(
+                "of alpha-tested casters facet-masks alone finds the holes, not {}",
+                method.name()
+            ));
         }
         if self.image.method.keeps_history() {
             return refuse("a history of frames is of one world, and each frame's is mapped otherwise");

@@ -130,6 +130,9 @@ impl ShadowPass {
         if self.settings.hide_backs && self.casters.hides_backs(inputs.camera, self.settings.size) {
             flags |= Frame::BACKS_HIDDEN;
         }
+        if inputs.homography.is_some_and(|map| !map.is_none()) {
+            flags |= Frame::MAPPED;
+        }
         flags |= match extent {
             Extent::Everything => 0,
             Extent::Facing => Frame::NOTHING_CASTS,

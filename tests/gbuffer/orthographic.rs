@@ -31,9 +31,17 @@ impl Instanced {
     }
 
     fn pass(&self, settings: Settings) -> ShadowPass {
-        let mesh = CasterMesh::new(&self.scene.mesh.positions, &self.scene.mesh.triangles);
-        let casters = Casters::Instanced { meshes: &[mesh], instances: &[0] };
-        let config = PassConfig { receivers: settings.facets == FacetMode::One, ..PassConfig::new(settings, casters) };
+        self.pass_of(MethodName::FacetMasks, settings)
+    }
+
+    fn pass_of(&self, method: MethodName, settings: Settings) -> ShadowPass {
+        let Scene { mesh, alpha, .. } = &self.scene;
+        let alpha = Some(alpha).filter(|alpha| !alpha.is_empty());
+        let settings = Settings { alpha_tested: alpha.is_some(), ..settings };
+        let meshes = [CasterMesh { alpha, ..CasterMesh::new(&mesh.positions, &mesh.triangles) }];
+        let casters = Casters::Instanced { meshes: &meshes, instances: &[0] };
+        let receivers = method == MethodName::FacetMasks && settings.facets == FacetMode::One;
+        let config = PassConfig { method, receivers, ..PassConfig::new(settings, casters) };
         ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass")
     }
 
@@ -145,6 +153,34 @@ fn every_sample_is_that_of_a_parallel_ray() {
             let [off, _] = held(&got, &tracer, &moved, &light, &samples);
             assert!(off > 50, "{name}, {view_name}: a picture of another height passes");
         }
+    }
+}
+
+/// Holes of alpha-tested casters lie where the world has them: seen, and in their shadows, also where light and camera are near to the cards and the
+/// map of the world is steep.
+#[gpu_test]
+fn holes_are_those_of_the_world() {
+    let world = Instanced::new("leaves");
+    let mut pass = world.pass(settings(FacetMode::All, 8));
+    let samples = pass.settings().samples.clone();
+    let tracer = Tracer::with_alpha(&world.scene.mesh, &world.scene.alpha).expect("a tracer");
+    let solid = Tracer::new(&world.scene.mesh).expect("a tracer");
+    let camera = world.camera();
+    let [eye, target] = [camera.eye, camera.target].map(Vec3::from);
+    let steep = Light::Directional { direction: ((target - eye).normalize() + 0.3 * Vec3::Y).into() };
+    let lamp = Light::Point { position: (target + 0.6 * (target - eye).length() * Vec3::Y).into() };
+    for (view_name, camera, light) in [
+        ("its own light", camera, world.scene.light),
+        ("light ahead, close", Orthographic { height: 0.5 * camera.height, ..camera }, steep),
+        ("a lamp", camera, lamp),
+    ] {
+        let view = camera.in_world(world.bounds, &[light], SIZE).expect("a view");
+        let (got, status) = frame(&mut pass, &world.inputs(&view, &light));
+        assert!(status.complete, "{view_name}: {status:?}");
+        let [off, compared] = held(&got, &tracer, &camera, &light, &samples);
+        assert!(off == 0 && compared > 2000, "{view_name}: {off} of {compared} pixels wrong");
+        let [off, _] = held(&got, &solid, &camera, &light, &samples);
+        assert!(off > 50, "{view_name}: without the holes {off} pixels are wrong");
     }
 }
 
@@ -266,6 +302,10 @@ fn what_is_not_mapped_is_refused() {
     let mut smaller = world.inputs(&view, &light);
     smaller.placed = smaller.placed.map(|placed| Placed { bounds: [[-1e9; 3], [1e9; 3]], ..placed });
     told(&mut one, smaller, "smaller world");
+    let leaves = Instanced::new("leaves");
+    let view = leaves.camera().in_world(leaves.bounds, &[leaves.scene.light], SIZE).expect("a view");
+    let mut pcf = leaves.pass_of(MethodName::Pcf, settings(FacetMode::One, 8));
+    told(&mut pcf, leaves.inputs(&view, &leaves.scene.light), "facet-masks alone");
     // A box that does not hold the casters makes the frame incomplete, as of any that move.
     let mut tight = world.inputs(&view, &light);
     let [low, high] = world.bounds;

@@ -103,7 +103,7 @@ pub const EXCEPTIONS: &[Exception] = &[
     except("candidate_pairs.cull", Figure::Waves, [14, 3], NEAR),
     except("facet_classify.classify", Figure::Waves, [12, 3], NEAR),
     except("pixel_coverage.cover", Figure::Code, [20172, 20212], SAMPLES_4),
-    except("pixel_coverage.cover with holes", Figure::Code, [22140, 22180], SAMPLES_4),
+    except("pixel_coverage.cover with holes", Figure::Code, [22288, 22328], SAMPLES_4),
     except("pixel_texel_pairs.count", Figure::Waves, [14, 3], NEAR),
     except("pixel_texel_pairs.emit_rest", Figure::Waves, [14, 3], NEAR),
     except("sample_bins.refine_all", Figure::SpilledScalar, [2, 12], BITS_46),
@@ -130,8 +130,8 @@ pub const EXCEPTIONS: &[Exception] = &[
     except("spsm_query.recover", Figure::Code, [25532, 26160], RADIUS_2),
     except("visibility_masks.evaluate", Figure::Code, [17880, 17880], TWO_STEP),
     except("visibility_masks.evaluate", Figure::Waves, [14, 3], NEAR),
-    except("visibility_masks.evaluate with holes", Figure::Code, [17376, 17404], SAMPLES_4),
-    except("visibility_masks.refine with holes", Figure::Code, [31716, 31748], BITS_46),
+    except("visibility_masks.evaluate with holes", Figure::Code, [17472, 17504], SAMPLES_4),
+    except("visibility_masks.refine with holes", Figure::Code, [32036, 32068], BITS_46),
     except("visibility_masks.refine", Figure::Code, [29236, 29252], BITS_46),
 ];
 

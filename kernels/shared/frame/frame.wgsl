@@ -69,6 +69,8 @@ const FLAG_CUT_LAYERS = 65536u; // layers hold casters that reach behind the lig
 const FLAG_ENDS = 1024u;
 // The view is a paraboloid one, of a light at a point
 const FLAG_PARABOLOID = 262144u;
+// A homography maps the world: texture coordinates of casters are those of the world
+const FLAG_MAPPED = 524288u;
 const FLAG_NOTHING_CASTS = 16384u; // a facet that faces the light is lit
 // Triangles of closed bodies that face away from the eye lie behind others of these: no pixel sees them
 const FLAG_BACKS_HIDDEN = 131072u;
