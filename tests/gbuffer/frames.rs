@@ -359,3 +359,40 @@ fn jittered_frames_are_exact() {
         refused("shifts its image", pass.record(&mut gpu().encoder(), &by_depth, &Target::default()));
     }
 }
+
+/// The depth of an oblique near plane, which goes by the pixel, says in strips of rows what it says in one piece.
+#[gpu_test]
+fn oblique_depths_in_strips_are_the_whole() {
+    let scene = scene("windmill");
+    let eye = eyes(&scene)[6];
+    let (camera, drawn) = (eye.camera(), draw(&scene.mesh, &eye));
+    let of = |terms, strips| {
+        let place = SurfacePosition::Depth { texture: &drawn.depth, terms, nothing: eye.nothing };
+        let gbuffer = GBuffer::Surfaces(SurfaceTextures::new(place));
+        let inputs = Inputs { gbuffer, origin: Some(ORIGIN), ..Inputs::new(&camera, &scene.light) };
+        let Mesh { positions, triangles } = &scene.mesh;
+        let casters = Casters::Static { positions, triangles };
+        let config = PassConfig { receivers: true, strips, ..PassConfig::new(settings(FacetMode::One, 32), casters) };
+        let mut pass = ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass");
+        let (picture, status) = frame(&mut pass, &inputs);
+        assert!(status.complete && pass.strips() == strips, "{}, {strips}: {status:?}", eye.name);
+        picture
+    };
+    let whole = of(eye.terms(), 1);
+    assert_eq!(of(eye.terms(), 4), whole);
+    let [right, top] = eye.terms().tilt;
+    assert!(top.abs() > 1e-3, "{top}: it goes by the row");
+    // Terms tilted the other way are refused.
+    let place = SurfacePosition::Depth {
+        texture: &drawn.depth,
+        terms: DepthTerms { tilt: [right, -top], ..eye.terms() },
+        nothing: eye.nothing,
+    };
+    let inputs = Inputs {
+        gbuffer: GBuffer::Surfaces(SurfaceTextures::new(place)),
+        origin: Some(ORIGIN),
+        ..Inputs::new(&camera, &scene.light)
+    };
+    let mut pass = pass_of(&scene);
+    refused("oblique near plane", pass.record(&mut gpu().encoder(), &inputs, &Target::default()));
+}
