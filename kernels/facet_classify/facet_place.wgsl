@@ -65,10 +65,21 @@ fn place(f: u32, shape: Shape, turns: vec2<f32>) {
         shares.x | (shares.y << 8u) | (shares.z << 16u) | flags, found.span);
 }
 
+// Whether the light may shine along a triangle in the world, to what rounding mapped corners leaves open.
+fn is_grazed(shape: Shape) -> bool {
+    let way = frame.light.xyz - frame.light.w * shape.a;
+    let reach = max(largest(shape.a), max(largest(shape.b), largest(shape.c)));
+    let la = largest(shape.ab);
+    let lc = largest(shape.ac);
+    let bound = largest(way) * (1e-6 * la * lc + 2e-7 * reach * (la + lc));
+    return abs(dot(cross(shape.ab, shape.ac), way)) <= bound;
+}
+
 fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<function, Found>) -> u32 {
     if !receives_any(shape.given.w) { return STATE_LIT; }
     let away = turns.x * select(1.0, -1.0, is_reversed(shape.given.xyz, shape.i)) < 0.0;
     if turns.x * turns.y <= 0.0 || (away && (frame.flags & FLAG_CLOSED) != 0u) { return STATE_DARK; }
+    if (frame.flags & FLAG_MAPPED) != 0u && is_grazed(shape) { return STATE_DARK; }
     // Of what is no caster the splits know nothing.
     let hidden = away & (shape.given.w == 1u) & ((frame.flags & FLAG_CULL_BACK) != 0u);
     let pixel = facets[f].pixel;

@@ -2,6 +2,7 @@
 
 use super::casters::CasterSet;
 use super::checks::{check_limits, check_shared, settled};
+use super::lights::of_light;
 use super::{Inputs, LightTarget, PassConfig, ShadowPass};
 use crate::gpu::scope::caught;
 use crate::gpu::{KeptPrograms, Ledger};
@@ -70,8 +71,7 @@ impl ShadowPass {
             let Some(pass) = passes.get(*of) else {
                 return Err(Error::Config(format!("light {k}: of pass {of}, there are {count}")));
             };
-            let LightTarget { light, layers, reach, target } = light;
-            pass.check(&Inputs { light, layers: *layers, reach: *reach, ..*inputs }, target).map_err(|e| match e {
+            pass.mapped(&of_light(inputs, light), &light.target).map_err(|e| match e {
                 Error::Config(text) => Error::Config(format!("light {k}: {text}")),
                 Error::Scene(text) => Error::Scene(format!("light {k}: {text}")),
                 e => e,

@@ -71,16 +71,17 @@ impl DepthTerms {
         Self { scale, offset, w_scale: 1.0, w_offset: 0.0, tilt, image: None }
     }
 
-    /// Of an orthographic camera's depth buffer, in its mapped world: 0 at the first of two distances ahead of the eye, 1 at the second; of a reversed one
-    /// the first is the farther. The camera's [near distance](crate::scene::Orthographic::near) must be the nearer of the two.
-    pub fn orthographic(view: &OrthographicView, [none, one]: [f32; 2]) -> Self {
-        let per_distance = 1.0 / (f64::from(one) - f64::from(none));
-        // The inverse depth at a value of 0, and what it gains to a value of 1.
-        let [at_eye, gain] = view.inverse_depth;
-        let [zero, gain] = [at_eye + gain * f64::from(none), gain / per_distance];
+    /// Of an orthographic camera's depth buffer, in its mapped world: 0 at the near distance and 1 at the far one of the camera that the view is of, reversed the other way
+    /// round.
+    pub fn orthographic(view: &OrthographicView, reversed: bool) -> Self {
+        let [near, far] = view.inverse_depth;
+        let [zero, one] = if reversed { [far, near] } else { [near, far] };
+        let gain = one - zero;
         let [scale, offset] = [-zero / gain, 1.0 / gain].map(|c| c as f32);
         let tilt = view.inverse_tilt.map(|by| (-by / gain) as f32);
-        Self { scale, offset, w_scale: 1.0, w_offset: 0.0, tilt, image: None }
+        let Lens { shift, mirrored, .. } = view.camera.lens;
+        let image = Some(ImageTerms { focal: view.camera.focal(view.size).map(|c| c as f32), shift, mirrored });
+        Self { scale, offset, w_scale: 1.0, w_offset: 0.0, tilt, image }
     }
 
     /// The view depth itself.

@@ -178,7 +178,7 @@ pub struct Moved<'a> {
     /// As many positions as the pose at rest has, in the same order.
     pub vertices: Vertices<'a>,
     /// Lowest and highest corner of a box that holds all vertices, world units. The light view is fitted to it: a box that is
-    /// too wide (up to some 10^6 times) costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
+    /// too wide (up to some 10^6 times; of an orthographic camera 10^4) costs time and changes nothing, one that is too tight makes the frame incomplete, and its status says so.
     ///
     /// It is asked of the application, as how many views the light has, and where they look, is decided when a frame is recorded, and where vertices are
     /// the GPU finds when it runs; the box of a frame before would not surely hold them. An animation's box, or that of its bones grown by what is
@@ -194,7 +194,7 @@ pub struct Inputs<'a> {
     pub camera: &'a Camera,
     /// What the world is mapped by, of an orthographic camera ([`Inputs::orthographic`]): casters, which move or are instances, and the light are given where
     /// they are in the world. Range and cone of the light are then not made use of. It takes no casters that stand, alpha-tested ones by `facet-masks` alone, no histories, no
-    /// lists of lights, and of surfaces in a G-buffer their depths alone.
+    /// lists of lights, and of surfaces in a G-buffer their depths alone. Depths that a frame tells and takes are those of its mapped world.
     pub homography: Option<&'a Homography>,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,

@@ -129,7 +129,7 @@ impl ShadowPass {
 }
 
 /// Inputs of a frame, of one of several lights.
-fn of_light<'a>(inputs: &Inputs<'a>, to: &'a LightTarget) -> Inputs<'a> {
+pub(super) fn of_light<'a>(inputs: &Inputs<'a>, to: &'a LightTarget) -> Inputs<'a> {
     Inputs { light: &to.light, layers: to.layers, reach: to.reach, ..*inputs }
 }
 

@@ -51,7 +51,14 @@ impl ShadowPass {
     pub(super) fn mapped<'a>(&self, inputs: &Inputs<'a>, target: &Target) -> Result<MappedInputs<'a>> {
         self.check_mapped(inputs, target)?;
         let mapped = MappedInputs::new(inputs)?;
-        self.check(&mapped.get(), target)?;
+        let (_, high) = self.check(&mapped.get(), target)?;
+        let near = f64::from(inputs.camera.near);
+        if inputs.homography.is_some_and(|map| !map.is_none()) && -high.z < near {
+            return Err(Error::Scene(format!(
+                "an orthographic camera: the casters' box begins at a view depth of {} of the mapped world, before the near distance {near}: the world was given as smaller",
+                -high.z
+            )));
+        }
         Ok(mapped)
     }
 

@@ -64,7 +64,7 @@ impl Homography {
         let divisor = DVec4::from(self.divisor.map(f64::from));
         let size = divisor.truncate().length() * at.truncate().length() + at.w * divisor.w.abs();
         if to.w.abs() <= AT_INFINITY * size {
-            return Ok(Light::Directional { direction: to.truncate().normalize().as_vec3().into() });
+            return Ok(Light::Directional { direction: to.truncate().normalize_or_zero().as_vec3().into() });
         }
         if to.w < 0.0 {
             let [x, y, z] = at.truncate().to_array();

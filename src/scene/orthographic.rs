@@ -1,12 +1,13 @@
 //! Orthographic cameras, as cameras of a mapped world.
 
-use super::projection::ViewAxes;
+use super::projection::{ViewAxes, eye_and_target};
 use super::{Camera, Homography, Lens, Light};
 use crate::{Error, Result};
 use glam::{DMat2, DVec2, DVec3, DVec4, Vec3};
 
 /// A camera of parallel rays. Right-handed, world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Orthographic {
     /// A point of the ray through the image's middle.
     pub eye: [f32; 3],
@@ -18,6 +19,8 @@ pub struct Orthographic {
     pub height: f32,
     /// Surfaces nearer than this along the view direction, from the eye, are not seen; they cast shadows all the same. May be below 0.
     pub near: f32,
+    /// Distance of the other end of a depth buffer ([`DepthTerms::orthographic`](crate::pass::DepthTerms::orthographic)). Nothing is cut off there.
+    pub far: f32,
     /// Part of the image plane that the image shows, and the shape of its pixels.
     pub lens: Lens,
 }
@@ -33,7 +36,9 @@ pub struct OrthographicView {
     pub camera: Camera,
     /// The map.
     pub homography: Homography,
-    /// Inverse view depth of the mapped world by the distance ahead of the eye along the image's middle ray: at distance 0, and what it gains per unit.
+    /// Pixels of the image.
+    pub(crate) size: [u32; 2],
+    /// Inverse view depth of the mapped world in the image's middle, at the near and at the far distance.
     pub(crate) inverse_depth: [f64; 2],
     /// What it gains from the middle of the image to its right end and to its top.
     pub(crate) inverse_tilt: [f64; 2],
@@ -49,11 +54,12 @@ const MOST_STRETCH: f64 = 64.0;
 impl Orthographic {
     /// A camera at `eye` that looks at `target`, whose image is `height` high. It sees surfaces from the eye on.
     pub fn look_at(eye: [f32; 3], target: [f32; 3], up: [f32; 3], height: f32) -> Self {
-        Self { eye, target, up, height, near: 0.0, lens: Lens::CENTRED }
+        Self { eye, target, up, height, near: 0.0, far: f32::MAX, lens: Lens::CENTRED }
     }
 
     /// The camera of a view matrix (world to view space) and an orthographic projection (view to clip space as wgpu has it, depth between 0 and 1), of
     /// an image of `width` x `height` pixels: off-centre, jittered, left-handed, with oblong pixels. `reversed`: depth is 1 at the near plane and 0 at the far one.
+    /// The eye is the point of the view's middle ray that is nearest to the world's origin, and near and far distance are from there.
     ///
     /// # Errors
     /// [`Error::Config`], with the numbers, for a perspective projection, one that is turned, sheared or flat, and as [`Camera::of_matrices`] for the
@@ -81,8 +87,13 @@ impl Orthographic {
         let axes = ViewAxes::new(view)?;
         // Depth grows along z of view space, or falls.
         let ahead = if (z[2] > 0.0) == reversed { -1.0 } else { 1.0 };
-        let near = (f64::from(u8::from(reversed)) * w[3] - z[3]) / z[2] * ahead / axes.scale;
-        let (eye, target) = axes.eye_and_target(ahead);
+        let at = |depth: bool| (f64::from(u8::from(depth)) * w[3] - z[3]) / z[2] * ahead / axes.scale;
+        // Where along the view the eye is, is free: rounded to single precision it is best near the origin. Rows that rounding has turned a little
+        // have the view across those of x and y.
+        let view = axes.right.cross(axes.up).normalize() * ahead;
+        let beyond = axes.eye.dot(view);
+        let [near, far] = [at(reversed), at(!reversed)].map(|at| (at + beyond) as f32);
+        let (eye, target) = eye_and_target(axes.eye - view * beyond, view);
         let [wide, high] = [x[0], y[1]].map(|of| 2.0 * w[3] / of.abs() / axes.scale);
         let aspect = wide / high * f64::from(height) / f64::from(width);
         let camera = Self {
@@ -90,7 +101,8 @@ impl Orthographic {
             target,
             up: (axes.up * y[1].signum()).as_vec3().into(),
             height: high as f32,
-            near: near as f32,
+            near,
+            far,
             lens: Lens {
                 shift: [x[3], y[3]].map(|c| (-c / w[3]) as f32),
                 pixel_aspect: if (aspect - 1.0).abs() < 1e-6 { 1.0 } else { aspect as f32 },
@@ -103,14 +115,15 @@ impl Orthographic {
     /// Checks every number of the camera.
     ///
     /// # Errors
-    /// [`Error::Scene`] with the numbers, as [`Camera::check`], and for a height that is not above 0.
+    /// [`Error::Scene`] with the numbers, as [`Camera::check`], and for a height that is not above 0 or a far distance that is not above the near one.
     pub fn check(&self) -> Result<()> {
-        let Self { eye, target, up, height, near, lens } = *self;
+        let Self { eye, target, up, height, near, far, lens } = *self;
         Camera { lens, ..Camera::look_at(eye, target, up, 40.0, 1.0) }.check()?;
-        if !(height > 0.0 && height.is_finite() && near.is_finite()) {
-            return Err(Error::Scene(format!(
-                "orthographic camera: a height of {height} is not above 0, or a near distance of {near} not finite"
-            )));
+        if !(height > 0.0 && height.is_finite()) {
+            return Err(Error::Scene(format!("orthographic camera: a height of {height} is not above 0")));
+        }
+        if !(near.is_finite() && far.is_finite() && near < far) {
+            return Err(Error::Scene(format!("orthographic camera needs near < far, has near {near} and far {far}")));
         }
         Ok(())
     }
@@ -118,8 +131,8 @@ impl Orthographic {
     /// Unit directions right, up and ahead of the view.
     fn axes(&self) -> [DVec3; 3] {
         let [eye, target, up] = [self.eye, self.target, self.up].map(|p| Vec3::from(p).as_dvec3());
-        let ahead = (target - eye).normalize();
-        let right = ahead.cross(up).normalize();
+        let ahead = (target - eye).normalize_or_zero();
+        let right = ahead.cross(up).normalize_or_zero();
         [right, right.cross(ahead), ahead]
     }
 
@@ -140,15 +153,23 @@ impl Orthographic {
         [if self.lens.mirrored { -wide } else { wide }, half]
     }
 
-    /// This camera's frame, of an image of `size` pixels, in a world that lies between the corners `bounds` and has these lights: all casters and receivers of the
-    /// frame, and no light but those.
+    /// This camera's frame, of an image of `size` pixels, in a world that lies between the corners `bounds` and has these lights: all casters of the
+    /// frame, all receivers that a G-buffer shows, and of a light of some extent all its [points](super::AreaLight::points), around the middle of the
+    /// casters' box. Places are known to about 10^-7 of the size of the box, or of the image where that is larger, so a box a thousand times too wide
+    /// costs a hundredth of a pixel in a close view.
+    ///
+    /// A surface that a light shines along, to what that leaves open, is dark.
     ///
     /// # Errors
-    /// [`Error::Scene`], with the numbers, for a camera or light that cannot be used, and for lights that no map can hold together: three or more
-    /// directional ones from all sides ahead, one that shines against the view within 0.9 degrees of it, or one at a point more than 64 sizes of the world ahead.
+    /// [`Error::Scene`], with the numbers, for a camera, a light or a box that cannot be used, and for lights that no map can hold together: two or more
+    /// directional ones that shine against the view from opposite sides, one that does within 0.9 degrees of it, or one at a point more than 64 sizes of
+    /// the world ahead; [`Error::Config`] for an image without pixels.
     pub fn in_world(&self, bounds: [[f32; 3]; 2], lights: &[Light], size: [u32; 2]) -> Result<OrthographicView> {
         self.check()?;
         lights.iter().try_for_each(Light::check)?;
+        if size.contains(&0) {
+            return Err(Error::Config(format!("orthographic camera: an image of {} x {} pixels", size[0], size[1])));
+        }
         let [low, high] = bounds.map(|p| Vec3::from(p).as_dvec3());
         if !(low.is_finite() && high.is_finite() && low.cmple(high).all()) {
             return Err(Error::Scene(format!("orthographic camera: no box from {:?} to {:?}", bounds[0], bounds[1])));
@@ -202,12 +223,17 @@ impl Orthographic {
             lens: self.lens,
             near_plane: Some(near_plane.as_vec4().into()),
         };
-        camera.check()?;
+        if let Err(error) = camera.check() {
+            return Err(Error::Scene(format!(
+                "orthographic camera: a height of {} in a world of size {extent}: {error}",
+                self.height
+            )));
+        }
         let [at_x, at_y] = self.lens.shift.map(f64::from);
         let tilt = [-lean.x * wide / depth, -lean.y * tall / depth];
-        let at_eye = (divisor - ahead.dot(offset)) / depth;
-        let inverse_depth = [at_eye + at_x * tilt[0] + at_y * tilt[1], -1.0 / depth];
-        Ok(OrthographicView { camera, homography, inverse_depth, inverse_tilt: tilt })
+        let at = |distance: f32| (divisor - f64::from(distance) - ahead.dot(offset)) / depth;
+        let inverse_depth = [self.near, self.far].map(|end| at(end) + at_x * tilt[0] + at_y * tilt[1]);
+        Ok(OrthographicView { camera, homography, size, inverse_depth, inverse_tilt: tilt })
     }
 }
 
@@ -221,17 +247,21 @@ fn lean(lights: &[Light], [right, up, ahead]: [DVec3; 3]) -> Result<DVec2> {
     let fits = |lean: &DVec2| limits.iter().all(|(by, most)| by.dot(*lean) <= most + 1e-9 * (1.0 + lean.length()));
     let touching = limits.iter().map(|(by, most)| *by * (most / by.length_squared()));
     let crossing = |(a, b): (&(DVec2, f64), &(DVec2, f64))| {
-        DMat2::from_cols(a.0, b.0).transpose().inverse() * DVec2::new(a.1, b.1)
+        Some(DMat2::from_cols(a.0, b.0).transpose().try_inverse()? * DVec2::new(a.1, b.1))
     };
     let pairs = limits.iter().enumerate().flat_map(|(k, b)| limits[..k].iter().map(move |a| (a, b)));
-    let crossings = pairs.map(crossing);
+    let crossings = pairs.filter_map(crossing);
     let least = std::iter::once(DVec2::ZERO)
         .chain(touching)
         .chain(crossings)
         .filter(|lean| lean.is_finite() && lean.length() <= MOST_STRETCH && fits(lean))
         .min_by(|a, b| a.length().total_cmp(&b.length()));
     least.ok_or_else(|| {
-        let told = ways.iter().map(|w| format!("({:.4}, {:.4}, {:.4})", w.x, w.y, w.z)).collect::<Vec<_>>();
+        let mut told: Vec<_> =
+            ways.iter().take(4).map(|w| format!("({:.4}, {:.4}, {:.4})", w.x, w.y, w.z)).collect();
+        if ways.len() > told.len() {
+            told.push(format!("{} more", ways.len() - told.len()));
+        }
         Error::Scene(format!(
             "orthographic camera: no map of the world holds the directional lights {} as seen along ({:.4}, {:.4}, {:.4})",
             told.join(", "),

@@ -103,10 +103,11 @@ pub(crate) fn inverse_near([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 3] {
 
 /// What a view matrix says: a turn, a shift and an even scale.
 pub(super) struct ViewAxes {
-    eye: Vec3,
-    /// Unit directions of y and z of view space.
+    pub eye: DVec3,
+    /// Unit directions of x, y and z of view space.
+    pub right: DVec3,
     pub up: DVec3,
-    back: DVec3,
+    pub back: DVec3,
     /// Units of view space by those of the world.
     pub scale: f64,
 }
@@ -136,17 +137,17 @@ impl ViewAxes {
         if turn.determinant() < 0.0 {
             return refuse("it is mirrored: a left-handed camera has a left-handed projection".to_owned());
         }
-        let [_, up, back] = turn.transpose().to_cols_array_2d().map(|row| DVec3::from(row) / scale);
-        Ok(Self { eye: (turn.inverse() * -columns[3]).as_vec3(), up, back, scale })
+        let [right, up, back] = turn.transpose().to_cols_array_2d().map(|row| DVec3::from(row) / scale);
+        Ok(Self { eye: turn.inverse() * -columns[3], right, up, back, scale })
     }
+}
 
-    /// The eye, and a point on the view ahead: along z of view space if `ahead` is 1, against it if -1.
-    pub fn eye_and_target(&self, ahead: f64) -> ([f32; 3], [f32; 3]) {
-        // So far away that rounding the point moves no direction.
-        let far_off = 4.0 * self.eye.abs().max_element().max(1.0);
-        let target = self.eye.as_dvec3() + (self.back * ahead).normalize() * f64::from(far_off);
-        (self.eye.into(), target.as_vec3().into())
-    }
+/// An eye in single precision, and a point ahead of it so far away that rounding the point moves no direction.
+pub(super) fn eye_and_target(eye: DVec3, ahead: DVec3) -> ([f32; 3], [f32; 3]) {
+    let eye = eye.as_vec3();
+    let far_off = 4.0 * eye.abs().max_element().max(1.0);
+    let target = eye.as_dvec3() + ahead.normalize() * f64::from(far_off);
+    (eye.into(), target.as_vec3().into())
 }
 
 impl Camera {
@@ -163,7 +164,7 @@ impl Camera {
         let scale = axes.scale;
         let oblique = projection.tilt != [0.0; 2];
         let [near, far] = if oblique { [scale, f64::INFINITY] } else { projection.range()? };
-        let (eye, target) = axes.eye_and_target(projection.ahead);
+        let (eye, target) = eye_and_target(axes.eye, axes.back * projection.ahead);
         let [fx, fy] = projection.focal;
         let aspect = fy / fx * f64::from(height) / f64::from(width);
         let camera = Self {

@@ -124,6 +124,30 @@ fn far_worlds_and_close_views_look_the_same() {
     assert!(hit > 1000 && off == 0, "close to triangle {nearest}: {off} of {hit}");
 }
 
+/// Where along the view the eye of an application's matrices is, is free: from afar the image is as exact.
+#[test]
+fn an_eye_far_away_costs_nothing() {
+    let target = Vec3::new(0.1, 0.0, -0.2);
+    let ahead = Vec3::new(-0.48, -0.6, -0.64);
+    let of = |far: f32| {
+        let view = right_view::look_to_mat4(target - far * ahead, ahead, Vec3::Y);
+        let projection = rh::orthographic(-3.0, 2.5, -2.0, 2.1, 0.9 * far, 1.1 * far);
+        let [view, projection] = [view, projection].map(|m| m.to_cols_array_2d());
+        (view, Orthographic::of_matrices(&view, &projection, false, SIZE).expect("a camera"))
+    };
+    for far in [10.0, 1e3, 1e5] {
+        let (view, camera) = of(far);
+        assert!(Vec3::from(camera.eye).length() < 0.3, "{far}: {:?}", camera.eye);
+        // What the matrix itself holds of the place.
+        let view = Mat4::from_cols_array_2d(&view).as_dmat4();
+        let (from, way) = camera.ray([20.0, 15.0], SIZE);
+        let at = view.transform_point3(from);
+        assert!((at.x + 0.25).abs() < 1e-6 && (at.y - 0.05).abs() < 1e-6, "{far}: {at}");
+        let near = view.transform_point3(from + way * f64::from(camera.near)).z;
+        assert!((near / f64::from(-far) - 0.9).abs() < 1e-6, "{far}: {near}");
+    }
+}
+
 /// A light behind the camera's back, exactly on the view, comes to the eye: all that is seen is lit.
 #[test]
 fn a_light_along_the_view_is_at_the_eye() {
@@ -163,12 +187,9 @@ fn matrices_are_cameras() {
             let near = clip(from + way * f64::from(camera.near)).z;
             assert!((near - f64::from(u8::from(reversed))).abs() < 1e-5, "{name}: depth {near} at the near plane");
         }
-        let ends = if name == "left-handed" { [2.0, 20.0] } else { [-1.0, 20.0] };
-        let ends = if name == "scaled" { ends.map(|end| 0.5 * end) } else { ends };
-        let ends = if reversed { [ends[1], ends[0]] } else { ends };
         // Depth, as the mapped world has it.
         let of = camera.in_world(BOUNDS, &[SUN], SIZE).expect(name);
-        let terms = DepthTerms::orthographic(&of, ends);
+        let terms = DepthTerms::orthographic(&of, reversed);
         for p in [DVec3::new(0.3, 0.2, -1.0), DVec3::new(-1.0, 1.5, 2.0)] {
             let (at, to) = (clip(p), of.homography.point(p).expect("a place"));
             let scale = f64::from(terms.scale) + at.x * f64::from(terms.tilt[0]) + at.y * f64::from(terms.tilt[1]);
@@ -190,11 +211,18 @@ fn what_cannot_be_is_refused() {
     };
     told(Orthographic { height: 0.0, ..camera }, BOUNDS, &[], "height of 0");
     told(Orthographic { near: f32::NAN, ..camera }, BOUNDS, &[], "NaN");
+    told(Orthographic { far: -1.0, ..camera }, BOUNDS, &[], "far -1");
+    told(camera, [[-3e38; 3], [3e38; 3]], &[], "in a world of size");
+    assert!(camera.in_world(BOUNDS, &[], [40, 0]).is_err_and(|e| e.to_string().contains("40 x 0")));
     told(Orthographic { up: [0.0; 3], ..camera }, BOUNDS, &[], "up (0, 0, 0)");
     told(camera, [[1.0; 3], [0.0; 3]], &[], "no box");
     told(camera, BOUNDS, &[Light::Directional { direction: [0.0; 3] }], "length 0");
     let ahead = [-4.0, -3.0, -9.2];
     told(camera, BOUNDS, &[Light::Directional { direction: ahead }], "no map of the world");
+    let opposite = [[1.0, 0.01, -1.0], [-1.0, 0.01, -1.0]].map(|direction| Light::Directional { direction });
+    let along = Orthographic::look_at([0.0, 0.0, 8.0], [0.0; 3], [0.0, 1.0, 0.0], 5.0);
+    told(along, BOUNDS, &opposite, "no map of the world");
+    told(along, BOUNDS, &[Light::Directional { direction: [0.0, 0.0, -1.0] }; 9], "5 more");
     let around = [[5.0, 0.0, -4.0], [-5.0, 0.0, -4.0], [0.0, 5.0, -4.0], [0.0, -5.0, -4.0]];
     told(camera, BOUNDS, &around.map(|direction| Light::Directional { direction }), "no map of the world");
     told(camera, BOUNDS, &[Light::Point { position: ahead.map(|c| c * 1e3) }], "times as far ahead");
