@@ -192,7 +192,7 @@ pub struct Inputs<'a> {
     /// The camera. A G-buffer must be drawn with its projection, jitter included ([`Camera::of_matrices`]): of a depth buffer
     /// [`DepthTerms::of_projection`](super::DepthTerms::of_projection) sees to it; of others nobody can.
     pub camera: &'a Camera,
-    /// What the world is mapped by, of an orthographic camera ([`Inputs::orthographic`]): casters, which move or are instances, and the light are given where
+    /// Map of the world, of an orthographic camera ([`Inputs::orthographic`]): casters, which move or are instances, and the light are given where
     /// they are in the world. Range and cone of the light are then not made use of. It takes no casters that stand, alpha-tested ones by `facet-masks` alone, no histories, no
     /// lists of lights, and of surfaces in a G-buffer their depths alone. Depths that a frame tells and takes are those of its mapped world.
     pub homography: Option<&'a Homography>,
@@ -242,7 +242,7 @@ impl<'a> Inputs<'a> {
         Self { homography: Some(&view.homography), ..Self::new(&view.camera, light) }
     }
 
-    /// What the homography does not map by itself.
+    /// The homography that places are mapped by when they are written; the default maps nothing.
     pub(super) fn map_of_places(&self) -> Homography {
         self.homography.copied().unwrap_or_default()
     }

@@ -9,7 +9,7 @@ shared_struct! {
     /// A map of space that keeps lines and planes: the place `p` comes to `(right · q, up · q, -depth) / (divisor · q)`, where `q` is
     /// `(p - origin, 1)`. The default maps nothing.
     ///
-    /// What matters of visibility stays as it is wherever the divisor is above 0: which of two surfaces is the nearer one along a ray of the camera, and what lies
+    /// Visibility stays as it is wherever the divisor is above 0: which of two surfaces is the nearer one along a ray of the camera, and what lies
     /// between a place and a light.
     "shared/math/homography" => pub struct Homography {
         /// Subtracted from a place first; `w`: the depth, 0 for no map at all.

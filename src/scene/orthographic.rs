@@ -40,7 +40,7 @@ pub struct OrthographicView {
     pub(crate) size: [u32; 2],
     /// Inverse view depth of the mapped world in the image's middle, at the near and at the far distance.
     pub(crate) inverse_depth: [f64; 2],
-    /// What it gains from the middle of the image to its right end and to its top.
+    /// Gain of it from the middle of the image to its right end and to its top.
     pub(crate) inverse_tilt: [f64; 2],
 }
 
@@ -155,8 +155,7 @@ impl Orthographic {
 
     /// This camera's frame, of an image of `size` pixels, in a world that lies between the corners `bounds` and has these lights: all casters of the
     /// frame, all receivers that a G-buffer shows, and of a light of some extent all its [points](super::AreaLight::points), around the middle of the
-    /// casters' box. Places are known to about 10^-7 of the size of the box, or of the image where that is larger, so a box a thousand times too wide
-    /// costs a hundredth of a pixel in a close view.
+    /// casters' box. Places are known to about 10^-7 of the size of the box, or of the image where that is larger.
     ///
     /// A surface that a light shines along, to what that leaves open, is dark.
     ///

@@ -101,7 +101,7 @@ pub(crate) fn inverse_near([a, b, c]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     if b < 0.0 { [a, x, y].map(|of| -of / b) } else { [c - a, -x, -y].map(|of| of / b) }
 }
 
-/// What a view matrix says: a turn, a shift and an even scale.
+/// A view matrix taken apart: a turn, a shift and an even scale.
 pub(super) struct ViewAxes {
     pub eye: DVec3,
     /// Unit directions of x, y and z of view space.

@@ -36,7 +36,7 @@ shared_struct! {
         pub pad_1: u32,
         /// Unused.
         pub pad_2: u32,
-        /// What positions are mapped by.
+        /// Map of the positions.
         pub homography: Homography,
     }
 }

@@ -27,7 +27,7 @@ shared_struct! {
         pub box_high: [f32; 3],
         /// Word of the first transform.
         pub offset: u32,
-        /// What transformed positions are mapped by.
+        /// Map of the transformed positions.
         pub homography: Homography,
     }
 }

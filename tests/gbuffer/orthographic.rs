@@ -331,7 +331,7 @@ fn what_a_light_shines_along_is_dark() {
     }
 }
 
-/// What a mapped world cannot have is refused before anything is recorded.
+/// Inputs that a mapped world cannot have are refused before anything is recorded.
 #[gpu_test]
 fn what_is_not_mapped_is_refused() {
     let world = Instanced::new("spheres");

@@ -138,7 +138,7 @@ fn an_eye_far_away_costs_nothing() {
     for far in [10.0, 1e3, 1e5] {
         let (view, camera) = of(far);
         assert!(Vec3::from(camera.eye).length() < 0.3, "{far}: {:?}", camera.eye);
-        // What the matrix itself holds of the place.
+        // The place as the matrix itself holds it.
         let view = Mat4::from_cols_array_2d(&view).as_dmat4();
         let (from, way) = camera.ray([20.0, 15.0], SIZE);
         let at = view.transform_point3(from);
