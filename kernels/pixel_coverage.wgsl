@@ -4,7 +4,8 @@
 // functions tell of most samples; the others are computed from the corners, the near distance with 46 bits
 // where single precision leaves it open. What covers any sample is appended to the list of its pixel, which
 // begins where that of all its triangles does: `pixel_counts` (0 before) counts, order inside a pixel is not
-// defined, `covering_masks` has WORDS words for each element of `coverings`.
+// defined, `covering_masks` has WORDS words for each element of `coverings`. Pairs that stand in the list of
+// another pixel are passed over (surface_receivers).
 
 //@import frame dispatch pixel_ray facing facing_46 double_float eye_edges eye_order_46 eye_view alpha vertex
 //@import pixel_pair covering word_masks

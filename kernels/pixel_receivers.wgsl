@@ -1,20 +1,25 @@
 // pixel_receivers: what each pixel shows by an application's depth or position texture: a triangle of the
 // casters, or a surface that casts nothing, which gets a triangle of its own behind the casters' triangles
 // and vertices. Reads `place` (with GIVEN_POSITIONS world positions, nothing where alpha is 0; else depth,
-// nothing at `nothing`), with GIVEN_NORMALS world normals, with GIVEN_IDS the application's triangle numbers,
-// and `id_keys` (complement of the casters' triangle at each pixel centre). A number says that the pixel
-// shows that caster. Without numbers it shows the caster at its centre if its surface lies on that one's
-// plane, give or take `tolerance` of its view depth, else one that a neighbour pixel shows and whose edge is
-// no farther than NEAR_EDGE pixels: two rasterizers differ there. Of all other surfaces it writes vertices to
-// `positions` and their indices to `triangles`. Writes `keys` (complement of the triangle, 0 where there is
-// none) and counts into `faults` texels that name no triangle or are no place, which count as none.
+// nothing at `nothing`), with GIVEN_NORMALS world normals, with GIVEN_IDS the application's triangle
+// numbers, which say that a pixel shows that caster. Without numbers it shows a caster on whose plane its
+// surface lies, give or take `tolerance` of its view depth, and whose edges are no farther outside than
+// NEAR_EDGE pixels: two rasterizers differ there. `find` takes for it the caster at the pixel centre
+// (`id_keys`, complement) if it is one, `claim` looks through the blocks of all casters (`camera_rects`,
+// `work_offsets`) at the pixels that are left, of several for the lowest; `claims` has OPEN for surfaces
+// that are no caster, 0 for none. `take` writes of these vertices to `positions` and their indices to
+// `triangles`, for all pixels `keys` (complement of the triangle, 0 where there is none), and counts into
+// `faults` texels that name no triangle or are no place, which count as none.
 
-//@import frame dispatch divide strip facing finite vertex
+//@import frame dispatch divide strip facing finite vertex rect work_items alpha mapped_view
 
 const WORKGROUP = 64u;
 const FAULT_UNKNOWN = 2u;
 const FAULT_UNUSABLE = 3u;
 const NEAR_EDGE = 0.03125;
+const OPEN = 0xffffffffu;
+const CLAIMED = 0x40000000u;  // set in a claim of another caster than that at the centre
+const REACH = 2.5; // pixels
 const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; rows that strips share
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -24,47 +29,52 @@ const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; ro
 @group(0) @binding(4) var ids: texture_2d<u32>;
 @group(0) @binding(5) var<storage, read> numbers: array<u32>;
 @group(0) @binding(6) var<storage, read> id_keys: array<u32>;
-@group(0) @binding(7) var<storage, read_write> triangles: array<vec3<u32>>;
+@group(0) @binding(7) var<storage, read_write> made_triangles: array<vec3<u32>>;
 @group(0) @binding(8) var<storage, read_write> positions: array<vec3<f32>>;
 @group(0) @binding(9) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(10) var<storage, read_write> faults: array<atomic<u32>>;
+@group(0) @binding(11) var<storage, read_write> claims: array<atomic<u32>>;
+@group(0) @binding(12) var<storage, read> camera_rects: array<vec2<u32>>;
+@group(0) @binding(13) var<storage, read> work_offsets: array<u32>;
+@group(0) @binding(14) var<storage, read> triangles: array<vec4<u32>>;
 
 //@import given_place
 
-// Whether the surface is that of triangle `t`: on its plane and, seen from the eye, in it, give or take
-// `reach` pixels.
-fn shows(t: u32, p: Place, ray: vec3<f32>, reach: f32) -> bool {
+// A caster's plane, for each edge what is 0 on rays through it, and its fourth word.
+struct Outline { normal: vec3<f32>, corner: vec3<f32>, edges: array<vec3<f32>, 3>, card: Card, word: u32 }
+
+fn outline_of(t: u32) -> Outline {
     let i = triangles[t];
     let normal = cross(edge_of(i.x, i.y), edge_of(i.x, i.z));
-    let size = largest(normal);
-    if !(size > 0.0) { return false; }
-    let n = normal / size;
-    if !(abs(dot(n, p.point - point_of(i.x))) <= params.tolerance * p.depth * length(n)) { return false; }
+    var o: Outline;
+    o.word = i.w;
+    o.card = Card(point_of(i.x), point_of(i.y), point_of(i.z), mapped_ahead());
+    o.normal = normal / largest(normal);
+    o.corner = point_of(i.x);
+    o.edges[0] = cross(o.corner, edge_of(i.x, i.y));
+    o.edges[1] = cross(point_of(i.y), edge_of(i.y, i.z));
+    o.edges[2] = cross(point_of(i.z), edge_of(i.z, i.x));
+    return o;
+}
+
+// Whether a surface is that of a caster: on its plane and, seen from the eye, in it, give or take `reach`
+// pixels, and not in a hole. Of a normal that is no number it is not.
+fn shows(o: Outline, p: Place, ray: vec3<f32>, reach: f32) -> bool {
+    let off = abs(dot(o.normal, p.point - o.corner));
+    // Positions are as exact as their coordinates are large.
+    let rounded = select(0.0, 4e-7 * largest(p.world) * frame.eye.w, (params.given & GIVEN_POSITIONS) != 0u);
+    if !(off <= (params.tolerance * p.depth + rounded) * length(o.normal)) { return false; }
     var ahead = true;
     var behind = true;
     for (var k = 0u; k < 3u; k++) {
-        let u = i[k];
-        let m = cross(point_of(u), edge_of(u, i[(k + 1u) % 3u]));
+        let m = o.edges[k];
         let v = dot(m, ray);
         let slack = reach * (abs(dot(m, frame.ray_x.xyz)) + abs(dot(m, frame.ray_y.xyz)));
         ahead = ahead && v >= -slack;
         behind = behind && v <= slack;
     }
-    return ahead || behind;
-}
-
-// The caster that the pixel shows; NO_TRIANGLE if it shows none.
-fn caster_at(at: vec2<i32>, p: Place) -> u32 {
-    let ray = ray_of(at);
-    let size = vec2<i32>(frame.image_size);
-    for (var k = 0; k < 9; k++) {
-        // The pixel itself is the first.
-        let q = at + (vec2((k + 4) % 9 % 3, (k + 4) % 9 / 3) - 1);
-        if any(q < vec2(0)) || any(q >= size) { continue; }
-        let t = ~id_keys[u32(q.y * size.x + q.x)];
-        if t < frame.triangle_count && shows(t, p, ray, select(NEAR_EDGE, 1.0, k == 0)) { return t; }
-    }
-    return NO_TRIANGLE;
+    let hole = ALPHA != 0u && is_tested(o.word) && !is_solid(o.word, o.card, vec3(0.0), ray);
+    return (ahead || behind) && !hole;
 }
 
 // Place of a neighbour's surface, if it is no caster.
@@ -75,8 +85,7 @@ fn other_at(at: vec2<i32>) -> Place {
     if (params.given & GIVEN_IDS) != 0u {
         is_caster = textureLoad(ids, given_texel(vec2<u32>(at)), 0).x != params.none;
     } else {
-        let t = ~id_keys[u32(at.y * i32(frame.image_size.x) + at.x)];
-        is_caster = t < frame.triangle_count && shows(t, p, ray_of(at), 1.0);
+        is_caster = atomicLoad(&claims[u32(at.y) * frame.image_size.x + u32(at.x)]) != OPEN;
     }
     if is_caster { p.what = NOTHING; }
     return p;
@@ -108,10 +117,19 @@ fn normal_at(at: vec2<i32>, p: Place) -> vec3<f32> {
     return select(ray_of(at), n, largest(n) > 0.0);
 }
 
-// A triangle around the place, large beside its coordinates, so that their rounding turns it little.
-fn write_triangle(pixel: u32, p: Place, n: vec3<f32>) {
+// The power of two that is not below a number, 1 to 32.
+fn power_above(x: f32) -> f32 {
+    return bitcast<f32>((bitcast<u32>(clamp(x, 1.0, 32.0)) + 0x7fffffu) & 0x7f800000u);
+}
+
+// A triangle around the place, large beside its coordinates, so that their rounding turns it little, and so
+// large that it holds what rays REACH pixels away meet of its plane, where that is not too far off.
+fn write_triangle(pixel: u32, at: vec2<i32>, p: Place, n: vec3<f32>) {
     let size = max(largest(p.world), p.depth / frame.eye.w);
-    let leg = bitcast<f32>(bitcast<u32>(size) & 0x7f800000u) * 2.0;
+    let over = abs(dot(n, ray_of(at)));
+    let less = REACH * (abs(dot(n, frame.ray_x.xyz)) + abs(dot(n, frame.ray_y.xyz)));
+    let farther = less / max(over - less, over / 16.0);
+    let leg = bitcast<f32>(bitcast<u32>(size) & 0x7f800000u) * 2.0 * power_above(2.5 * farther);
     let m = abs(n);
     let k = select(select(2u, 1u, m.y >= m.z), 0u, m.x >= m.y && m.x >= m.z);
     let i = (k + 1u) % 3u;
@@ -124,7 +142,7 @@ fn write_triangle(pixel: u32, p: Place, n: vec3<f32>) {
         q[k] -= (n[i] * (q[i] - p.world[i]) + n[j] * (q[j] - p.world[j])) / n[k];
         let v = frame.vertex_count + 3u * pixel + c;
         positions[v] = q;
-        triangles[frame.triangle_count + pixel][c] = v;
+        made_triangles[frame.triangle_count + pixel][c] = v;
     }
 }
 
@@ -145,8 +163,8 @@ fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
     let p = place_at(at);
     if p.what == NOTHING { return 0u; }
     if p.what == SURFACE && (params.given & GIVEN_IDS) == 0u {
-        let t = caster_at(at, p);
-        if t != NO_TRIANGLE { return ~t; }
+        let claim = atomicLoad(&claims[pixel]);
+        if claim != OPEN { return ~((claim & ~CLAIMED) - 1u); }
     }
     let n = normal_at(at, p);
     let size = largest(n);
@@ -154,8 +172,49 @@ fn key_at(pixel: u32, at: vec2<i32>) -> u32 {
         count_fault(FAULT_UNUSABLE, at);
         return 0u;
     }
-    write_triangle(pixel, p, n / size);
+    write_triangle(pixel, at, p, n / size);
     return ~(frame.triangle_count + pixel);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn find(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let pixel = flat_invocation(group, groups, WORKGROUP, local);
+    if pixel >= frame.image_size.x * frame.image_size.y { return; }
+    let at = vec2<i32>(place_in_strip(pixel));
+    let p = place_at(at);
+    let t = ~id_keys[pixel];
+    var claim = select(0u, OPEN, p.what == SURFACE);
+    if claim == OPEN && t < frame.triangle_count {
+        if shows(outline_of(t), p, ray_of(at), 1.0) { claim = t + 1u; }
+    }
+    atomicStore(&claims[pixel], claim);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn claim(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = flat_invocation(group, groups, WORKGROUP, local);
+    if item >= work_offsets[frame.triangle_count] { return; }
+    let t = owner_of(item, frame.triangle_count);
+    let block = block_of(camera_rects[t], item - work_offsets[t]);
+    let outline = outline_of(t);
+    for (var y = block.low.y; y <= block.high.y; y++) {
+        for (var x = block.low.x; x <= block.high.x; x++) {
+            let pixel = y * frame.image_size.x + x;
+            if atomicLoad(&claims[pixel]) < CLAIMED { continue; }
+            let at = vec2<i32>(vec2(x, y));
+            if shows(outline, place_at(at), ray_of(at), NEAR_EDGE) {
+                atomicMin(&claims[pixel], CLAIMED | (t + 1u));
+            }
+        }
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -129,7 +129,7 @@ fn gather(
         for (var w = 0u; w < WORDS; w++) { covering_masks[at * WORDS + w] = mask[w]; }
         var fresh = true;
         if MERGE != 0u {
-            let name = surfaces[triangle];
+            let name = surface_of(triangle);
             let one_of = (name & SEVERAL) != 0u;
             several |= one_of;
             fresh = !one_of || next_named(own.first, at, name) == at;

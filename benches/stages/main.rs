@@ -61,6 +61,7 @@ mod sorted_pairs;
 mod spsm_map;
 mod spsm_query;
 mod summed_area;
+mod surface_receivers;
 mod texel_group;
 mod triangle_ids;
 mod triangle_setup;
@@ -149,8 +150,13 @@ fn run(options: &Options) -> Result<()> {
         history::cases,
         instance_positions::cases,
     ];
-    let with_textures: [Maker; 4] =
-        [triangle_ids::cases, gbuffer_triangles::cases, pixel_receivers::cases, visibility_texture::cases];
+    let with_textures: [Maker; 5] = [
+        triangle_ids::cases,
+        gbuffer_triangles::cases,
+        pixel_receivers::cases,
+        surface_receivers::cases,
+        visibility_texture::cases,
+    ];
     for makers in [&without_textures[..], &with_textures] {
         for log_size in options.log_sizes() {
             let mut cases = Vec::new();

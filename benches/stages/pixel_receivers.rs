@@ -4,7 +4,10 @@ use crate::harness::{Case, texture};
 use subpixel_shadows::Result;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
-use subpixel_shadows::stages::pixel_receivers::{PixelReceivers, PixelReceiversParams, ReceiverRoom, Textures};
+use subpixel_shadows::stages::camera_visibility::Blocks;
+use subpixel_shadows::stages::pixel_receivers::{
+    PixelReceivers, PixelReceiversParams, ReceiverKeys, ReceiverRoom, SeenCasters, Textures,
+};
 use subpixel_shadows::wgpu::{TextureFormat, TextureUsages};
 
 pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
@@ -31,9 +34,18 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let triangles = Buffer::with_room(device, queue, "bench.triangles", &[], pixels)?;
     let positions = Buffer::with_room(device, queue, "bench.positions", &[], 3 * pixels)?;
     let id_keys = Buffer::storage(device, "bench.id_keys", pixels)?;
-    let keys = Buffer::storage(device, "bench.keys", pixels)?;
+    let to = ReceiverKeys::new(device, pixels)?;
+    // No casters: no blocks.
+    let empty = Buffer::storage(device, "bench.points", 1)?;
+    let (rects, facing, offsets) = (
+        Buffer::storage(device, "bench.rects", 1)?,
+        Buffer::storage(device, "bench.facing", 1)?,
+        Buffer::storage(device, "bench.offsets", 4)?,
+    );
+    let args = Buffer::indirect(device, "bench.args", 4)?;
+    args.write(queue, &[0, 1, 1, 0]);
     let faults = Buffer::storage(device, "bench.faults", 4)?;
-    let stage = PixelReceivers::new(device);
+    let stage = PixelReceivers::new(device, false);
     // The texture holds 0, which is a depth of 1.
     let params = PixelReceiversParams {
         depth: [1.0, -1.0, 1.0, 0.0],
@@ -44,13 +56,22 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     Ok(vec![Case {
         name: "pixel_receivers".to_owned(),
         size: pixels,
-        bytes: pixels * 60,
+        bytes: pixels * 72,
         atomics: 0,
         flops: pixels * 150,
         record: Box::new(move |s| {
             let textures = Textures { place: &place, normals: &place, ids: &ids };
             let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
-            stage.record(s, &frame, params, textures, surfaces, &id_keys, &keys, &faults)
+            let blocks = Blocks {
+                triangles: &triangles,
+                points: &empty,
+                rects: &rects,
+                facing: &facing,
+                offsets: &offsets,
+                args: (args.raw(), 0),
+            };
+            let casters = SeenCasters { blocks, id_keys: &id_keys };
+            stage.record(s, &frame, params, textures, surfaces, casters, &to, &faults)
         }),
     }])
 }

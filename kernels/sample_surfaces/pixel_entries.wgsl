@@ -60,10 +60,16 @@ fn entry_with(first: u32, end: u32, k: u32) -> u32 {
     return n;
 }
 
+// The surface of a triangle, of those behind the casters' (surface_receivers) itself.
+fn surface_of(triangle: u32) -> u32 {
+    if triangle >= frame.triangle_count { return triangle; }
+    return surfaces[triangle];
+}
+
 // The surface of an entry.
 fn name_of(n: u32) -> u32 {
     if MERGE == 0u { return n; }
-    return surfaces[coverings[n].triangle];
+    return surface_of(coverings[n].triangle);
 }
 
 // The next entry of a surface, or `end`.

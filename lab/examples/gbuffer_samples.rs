@@ -1,5 +1,5 @@
-//! Surfaces that a G-buffer of several samples a pixel misses, as a table: `facet-masks` in a `ShadowPass` that is given triangle numbers
-//! at 4, 8 and 32 places of each pixel, beside one facet a pixel and beside the search for every surface.
+//! Surfaces that G-buffers miss, as a table: `facet-masks` in a `ShadowPass` that is given triangle numbers
+//! at 4, 8 and 32 places of each pixel, or the depth of a ground that is no caster, beside one facet a pixel and beside the search for every surface.
 //! `cargo run --release --example gbuffer_samples -- [--size WxH] [--map N] [SCENE …] > table.md`
 //!
 //! The picture has 32 samples of the low-discrepancy pattern. The G-buffers have other places: those of hardware's four
@@ -8,15 +8,16 @@
 use lab::arguments::Arguments;
 use lab::scene::{Scene, SceneOptions};
 use oracle::truth::{SceneTruth, Tracer, TruthImage};
+use subpixel_shadows::glam::Vec3;
 use subpixel_shadows::gpu::Gpu;
 use subpixel_shadows::methods::{FacetMode, Prepared, Settings};
-use subpixel_shadows::pass::{Casters, GBuffer, Inputs, PassConfig, SampleTexture, Target};
+use subpixel_shadows::pass::{
+    Casters, DepthTerms, GBuffer, Inputs, PassConfig, SampleTexture, SurfacePosition, SurfaceTextures, Target,
+};
 use subpixel_shadows::render::{Budget, Renderer};
 use subpixel_shadows::samples::{Pattern, Samples};
+use subpixel_shadows::scene::{Camera, Mesh};
 use subpixel_shadows::{Error, Result, ShadowPass, wgpu};
-
-/// Places in the pixel, and of each of them the triangle at every pixel.
-type Layers = (Vec<[f32; 2]>, Vec<Vec<u32>>);
 
 fn main() -> Result<()> {
     let arguments = Arguments::of(std::env::args().skip(1))?;
@@ -46,21 +47,100 @@ fn table(gpu: &Gpu, scene: &Scene, size: [u32; 2], map: u32) -> Result<()> {
     let plain = Inputs::new(&scene.camera, &scene.light);
     let row = |what: &str, visibility: &[f32]| println!("| {} | {what} | {} |", scene.name, errors(visibility, &truth));
     row("nothing, one facet a pixel", &frame(gpu, &mut one, &plain)?);
-    let rotated = |count| -> Result<Layers> {
-        let samples = Samples::new(Pattern::Rotated, count)?;
-        let layers =
-            seen_by_samples(gpu, scene, &prepared, Settings { samples: samples.clone(), ..settings(FacetMode::All) })?;
-        Ok((samples.offsets().to_vec(), layers))
-    };
-    let four = (SampleTexture::STANDARD_4.to_vec(), seen_by_four(gpu, scene, &prepared, settings(FacetMode::One))?);
-    for (places, layers) in [four, rotated(8)?, rotated(32)?] {
+    let rotated = |count| Samples::new(Pattern::Rotated, count).map(|samples| samples.offsets().to_vec());
+    for places in [SampleTexture::STANDARD_4.to_vec(), rotated(8)?, rotated(32)?] {
+        let layers = seen_at(gpu, scene, &prepared, &settings(FacetMode::One), &places)?;
         let texture = texture(gpu, size, &layers);
         let gbuffer = GBuffer::SampleIds(SampleTexture::new(&texture, &places));
         let visibility = frame(gpu, &mut all, &Inputs { gbuffer, ..plain })?;
         row(&format!("triangles at {} places", places.len()), &visibility);
     }
     row("nothing, every surface", &frame(gpu, &mut all, &plain)?);
+    let ground = Ground::new(gpu, scene, &prepared, &settings(FacetMode::One))?;
+    for (facets, what) in [(FacetMode::One, "one facet a pixel"), (FacetMode::All, "every surface")] {
+        let Mesh { positions, triangles } = &ground.casters;
+        let casters = Casters::Static { positions, triangles };
+        let config = PassConfig { receivers: true, ..PassConfig::new(settings(facets), casters) };
+        let mut pass = ShadowPass::new(&gpu.device, &gpu.queue, &config)?;
+        for (given, normals) in [("depth", None), ("depth and normals", Some(&ground.normals))] {
+            let gbuffer = GBuffer::Surfaces(SurfaceTextures { normals, ..SurfaceTextures::new(ground.place()) });
+            let visibility = frame(gpu, &mut pass, &Inputs { gbuffer, ..plain })?;
+            row(&format!("its ground, in {:.0} % of the pixels, by {given}, {what}", ground.percent), &visibility);
+        }
+    }
     Ok(())
+}
+
+/// A scene whose ground, all triangles at its lowest height or longer than a quarter of it, is no caster, and textures of all that is seen at pixel
+/// centres.
+struct Ground {
+    casters: Mesh,
+    percent: f64,
+    depth: wgpu::Texture,
+    normals: wgpu::Texture,
+}
+
+/// Depth terms of the texture.
+fn terms() -> DepthTerms {
+    DepthTerms::reversed_infinite(0.01)
+}
+
+impl Ground {
+    fn new(gpu: &Gpu, scene: &Scene, prepared: &Prepared, settings: &Settings) -> Result<Self> {
+        let mesh = &scene.mesh;
+        let (low, high) = mesh.bounds().unwrap_or_default();
+        let is_low = |v: u32| f64::from(mesh.positions[v as usize][1]) < low.y + 1e-3 * (high.y - low.y);
+        let place = |v: u32| Vec3::from(mesh.positions[v as usize]).as_dvec3();
+        let is_long = |[a, b, c]: [u32; 3]| {
+            let [a, b, c] = [a, b, c].map(place);
+            (b - a).length().max((c - a).length()) > 0.25 * (high - low).length()
+        };
+        let casts = |t: &[u32; 3]| !t.iter().all(|&v| is_low(v)) && !is_long(*t);
+        let triangles = mesh.triangles.iter().copied().filter(casts).collect();
+        let mut renderer = Renderer::new(gpu, prepared, settings, Budget::default())?;
+        let seen = renderer.render(&scene.camera, &scene.light)?.triangles;
+        let [w, h] = settings.size;
+        let rays = scene.camera.rays(w, h);
+        let (mut depths, mut normals, mut count) = (Vec::new(), Vec::new(), 0);
+        for pixel in 0..w * h {
+            let ray = rays.direction(f64::from(pixel % w) + 0.5, f64::from(pixel / w) + 0.5);
+            let plane = prepared.given.get(seen[pixel as usize] as usize).map(|&t| {
+                let [a, b, c] = mesh.corners(t as usize);
+                count += u32::from(!casts(&mesh.triangles[t as usize]));
+                let normal = (b - a).cross(c - a);
+                (normal.dot(a - rays.eye) / normal.dot(ray), normal.normalize())
+            });
+            depths.push(plane.map_or(0.0, |(depth, _)| terms().offset / depth as f32));
+            normals.push(plane.map_or([0.0; 4], |(_, normal)| normal.as_vec3().extend(0.0).into()));
+        }
+        let normals = upload(gpu, settings.size, wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(&normals));
+        let depth = upload(gpu, settings.size, wgpu::TextureFormat::R32Float, bytemuck::cast_slice(&depths));
+        let percent = 100.0 * f64::from(count) / f64::from(w * h);
+        Ok(Self { percent, casters: Mesh { positions: mesh.positions.clone(), triangles }, depth, normals })
+    }
+
+    fn place(&self) -> SurfacePosition<'_> {
+        SurfacePosition::Depth { texture: &self.depth, terms: terms(), nothing: 0.0 }
+    }
+}
+
+fn upload(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat, bytes: &[u8]) -> wgpu::Texture {
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("surfaces"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    });
+    let row = Some(bytes.len() as u32 / height);
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: row, rows_per_image: None };
+    gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
+    texture
 }
 
 /// Shares of all pixels that are off, and the error.
@@ -73,37 +153,22 @@ fn errors(visibility: &[f32], truth: &TruthImage) -> String {
     format!("{:.4} % | {:.4} % | {rmse:.5}", above(1.0 / 32.0), above(1.0 / 8.0))
 }
 
-/// The triangle that each sample of a pattern sees, by the search for every surface.
-fn seen_by_samples(gpu: &Gpu, scene: &Scene, prepared: &Prepared, settings: Settings) -> Result<Vec<Vec<u32>>> {
-    let (samples, pixels) = (settings.samples.clone(), settings.pixels());
-    let mut renderer = Renderer::new(gpu, prepared, &settings, Budget::default())?;
-    renderer.render(&scene.camera, &scene.light)?;
-    let facets = renderer.facets().ok_or_else(|| Error::Config("no facets".to_owned()))?;
-    let (list, masks, ends) = (facets.list.read(gpu)?, facets.masks.read(gpu)?, facets.pixel_facets.read(gpu)?);
-    let words = samples.words() as usize;
-    let mut layers = vec![vec![u32::MAX; pixels]; samples.count() as usize];
-    for (f, facet) in list.iter().enumerate().take(ends[pixels] as usize) {
-        for (k, layer) in layers.iter_mut().enumerate() {
-            if masks[3 * words * f + k / 32] >> (k % 32) & 1 == 1 {
-                layer[facet.pixel as usize] = prepared.given[facet.triangle as usize];
-            }
-        }
-    }
-    Ok(layers)
-}
-
-/// The triangles at hardware's four places: they are pixel centres of an image of four times the size.
-fn seen_by_four(gpu: &Gpu, scene: &Scene, prepared: &Prepared, settings: Settings) -> Result<Vec<Vec<u32>>> {
-    let [w, h] = settings.size;
-    let fine = Settings { size: [4 * w, 4 * h], samples: Samples::new(Pattern::Grid, 1)?, ..settings };
-    let mut renderer = Renderer::new(gpu, prepared, &fine, Budget::default())?;
-    let triangles = renderer.render(&scene.camera, &scene.light)?.triangles;
-    let at = |x: u32, y: u32, [px, py]: [f32; 2]| {
-        let (x, y) = (4 * x + (px * 4.0) as u32, 4 * y + (py * 4.0) as u32);
-        prepared.given.get(triangles[(y * 4 * w + x) as usize] as usize).copied().unwrap_or(u32::MAX)
+/// The triangle at every pixel, for each of some places in the pixel, to which a lens moves its centre.
+fn seen_at(
+    gpu: &Gpu,
+    scene: &Scene,
+    prepared: &Prepared,
+    settings: &Settings,
+    places: &[[f32; 2]],
+) -> Result<Vec<Vec<u32>>> {
+    let one = Settings { samples: Samples::new(Pattern::Grid, 1)?, ..settings.clone() };
+    let mut renderer = Renderer::new(gpu, prepared, &one, Budget::default())?;
+    let mut seen = |&[x, y]: &[f32; 2]| {
+        let lens = scene.camera.lens.jittered([x - 0.5, y - 0.5], one.size);
+        let triangles = renderer.render(&Camera { lens, ..scene.camera }, &scene.light)?.triangles;
+        Ok(triangles.iter().map(|&t| prepared.given.get(t as usize).copied().unwrap_or(u32::MAX)).collect())
     };
-    let layer = |place| (0..w * h).map(|p| at(p % w, p / w, place)).collect();
-    Ok(SampleTexture::STANDARD_4.into_iter().map(layer).collect())
+    places.iter().map(&mut seen).collect()
 }
 
 fn texture(gpu: &Gpu, [width, height]: [u32; 2], layers: &[Vec<u32>]) -> wgpu::Texture {

@@ -1158,7 +1158,7 @@ pub mod pixel_coverage {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/pixel_ray",
         "shared/frame/facing", "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46",
         "shared/facet/eye_edges", "shared/frame/near_distance", "shared/facet/eye_order_46",
-        "pixel_coverage/eye_view", "shared/alpha", "shared/raster/pixel_pair", "shared/raster/covering",
+        "shared/facet/eye_view", "shared/alpha", "shared/raster/pixel_pair", "shared/raster/covering",
         "shared/math/word_masks", "shared/frame/frame_copy", "shared/frame/sample_copy", "shared/frame/mapped_view",
         "pixel_coverage/covered_samples", "pixel_coverage",
     }
@@ -1230,7 +1230,8 @@ pub mod pixel_receivers {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/strip",
-        "shared/frame/facing", "shared/math/finite", "shared/frame/vertex", "pixel_receivers/given_place",
+        "shared/frame/facing", "shared/math/finite", "shared/frame/vertex", "shared/raster/rect",
+        "shared/raster/work_items", "shared/alpha", "shared/frame/mapped_view", "shared/frame/given_place",
         "pixel_receivers",
     }
     constants! {
@@ -1238,25 +1239,48 @@ pub mod pixel_receivers {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
+        HEAD = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
         GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3,
-        MOST_STEPS = 4,
+        OPEN = 4294967295, CLAIMED = 1073741824, MOST_STEPS = 4,
     }
-    entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, () => Take, TakeProgram {
+    overrides! {
+        alpha: u32 = 0, "ALPHA",
+    }
+    entry_point! { "pixel_receivers", "find", [64, 1, 1], SOURCE, Constants => Find, FindProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::pixel_receivers::PixelReceiversParams>,
+        2 place: TextureFloat<'a>,
+        6 id_keys: Read<'a, u32>,
+        8 positions: Write<'a, [f32; 4]>,
+        11 claims: Write<'a, u32>,
+        14 triangles: Read<'a, [u32; 4]>,
+    } }
+    entry_point! { "pixel_receivers", "claim", [64, 1, 1], SOURCE, Constants => Claim, ClaimProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::pixel_receivers::PixelReceiversParams>,
+        2 place: TextureFloat<'a>,
+        8 positions: Write<'a, [f32; 4]>,
+        11 claims: Write<'a, u32>,
+        12 camera_rects: Read<'a, [u32; 2]>,
+        13 work_offsets: Read<'a, u32>,
+        14 triangles: Read<'a, [u32; 4]>,
+    } }
+    entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, Constants => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
         1 params: Uniform<'a, crate::stages::pixel_receivers::PixelReceiversParams>,
         2 place: TextureFloat<'a>,
         3 normals: TextureFloat<'a>,
         4 ids: TextureUint<'a>,
         5 numbers: Read<'a, u32>,
-        6 id_keys: Read<'a, u32>,
-        7 triangles: Write<'a, [u32; 4]>,
+        7 made_triangles: Write<'a, [u32; 4]>,
         8 positions: Write<'a, [f32; 4]>,
         9 keys: Write<'a, u32>,
         10 faults: Write<'a, u32>,
+        11 claims: Write<'a, u32>,
     } }
     entries! {
-        Take,
+        Find, Claim, Take,
     }
 }
 
@@ -2679,6 +2703,77 @@ pub mod summed_area {
     }
 }
 
+/// `kernels/surface_receivers.wgsl`.
+pub mod surface_receivers {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/strip",
+        "shared/math/finite", "shared/frame/pixel_ray", "shared/frame/vertex", "shared/frame/facing",
+        "shared/frame/near_distance", "shared/facet/eye_edges", "shared/facet/eye_view", "shared/frame/given_place",
+        "shared/raster/covering", "shared/raster/pixel_pair", "surface_receivers/neighbour_pixels",
+        "surface_receivers",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
+        FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
+        GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2, OWN = 12, NEXT = 8, AROUND = 24, MOST = 8, NONE = 25,
+        WORKGROUP = 64,
+    }
+    overrides! {
+        words: u32 = 1, "WORDS",
+    }
+    entry_point! { "surface_receivers", "own", [64, 1, 1], SOURCE, Constants => Own, OwnProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        4 keys: Read<'a, u32>,
+        5 positions: Read<'a, [f32; 4]>,
+        7 made_points: Write<'a, [f32; 4]>,
+        8 cover_keys: Write<'a, u32>,
+        9 id_keys: Write<'a, u32>,
+        10 pixel_counts: Write<'a, u32>,
+        11 chosen: Write<'a, u32>,
+    } }
+    entry_point! { "surface_receivers", "choose", [64, 1, 1], SOURCE, Constants => Choose, ChooseProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::pixel_receivers::PixelReceiversParams>,
+        3 place: TextureFloat<'a>,
+        4 keys: Read<'a, u32>,
+        6 points: Read<'a, [f32; 4]>,
+        8 cover_keys: Write<'a, u32>,
+        9 id_keys: Write<'a, u32>,
+        10 pixel_counts: Write<'a, u32>,
+        11 chosen: Write<'a, u32>,
+    } }
+    entry_point! { "surface_receivers", "list", [64, 1, 1], SOURCE, Constants => List, ListProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        10 pixel_counts: Write<'a, u32>,
+        11 chosen: Write<'a, u32>,
+        12 pixel_offsets: Read<'a, u32>,
+        13 pixel_list: Write<'a, crate::stages::pixel_triangles::PixelPair>,
+    } }
+    entry_point! { "surface_receivers", "cover", [64, 1, 1], SOURCE, Constants => Cover, CoverProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::pixel_receivers::PixelReceiversParams>,
+        2 samples: Uniform<'a, [f32; 4]>,
+        3 place: TextureFloat<'a>,
+        6 points: Read<'a, [f32; 4]>,
+        10 pixel_counts: Write<'a, u32>,
+        11 chosen: Write<'a, u32>,
+        12 pixel_offsets: Read<'a, u32>,
+        14 complex_pixels: Read<'a, u32>,
+        15 complex_total: Read<'a, u32>,
+        16 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
+        17 covering_masks: Write<'a, u32>,
+    } }
+    entries! {
+        Own, Choose, List, Cover,
+    }
+}
+
 /// `kernels/texel_group.wgsl`.
 pub mod texel_group {
     use crate::entry_point;
@@ -3210,6 +3305,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("spsm_map_64", spsm_map_64::SOURCE, spsm_map_64::ENTRIES),
     ("spsm_query", spsm_query::SOURCE, spsm_query::ENTRIES),
     ("summed_area", summed_area::SOURCE, summed_area::ENTRIES),
+    ("surface_receivers", surface_receivers::SOURCE, surface_receivers::ENTRIES),
     ("texel_group", texel_group::SOURCE, texel_group::ENTRIES),
     ("triangle_ids", triangle_ids::SOURCE, triangle_ids::ENTRIES),
     ("triangle_setup", triangle_setup::SOURCE, triangle_setup::ENTRIES),

@@ -1,7 +1,7 @@
 //! Parts shared by methods that test the samples of facets one by one: the facets, one a pixel or one for every surface, settled early where
 //! that is proved, the tree of casters, and the way from the facets' masks to the picture.
 
-use super::every_surface::{EverySurface, SurfacePipelines};
+use super::every_surface::{EverySurface, SurfacePipelines, SurfacesBy};
 use super::facet_masks::Capacities;
 use super::fixed_memory::{FrameInputs, MethodParts, StageInputs};
 use super::light_maps::{LightMapPipelines, LightMaps};
@@ -51,8 +51,8 @@ impl Every {
         let capacities = list_sizing::of_surfaces(settings.pixels()).in_turns(Profile::of(device));
         let (device, queue) = (device.clone(), queue.clone());
         Ok(Self {
-            with: SurfacePipelines::new(&device, scan, settings.samples.count(), settings.alpha_tested),
-            memory: EverySurface::new(&device, &queue, casters.triangles.len(), settings, capacities)?,
+            with: SurfacePipelines::new(&device, scan, settings.samples.count(), [settings.alpha_tested, false]),
+            memory: EverySurface::new(&device, &queue, (casters.triangles.len(), false), settings, capacities)?,
             capacities,
             device,
             queue,
@@ -233,7 +233,7 @@ impl EarlyOut {
                 &self.facets,
                 inputs.id_keys,
                 inputs.status,
-                None,
+                SurfacesBy::Search,
             )?;
             // Those beyond the last are not classified.
             rec.clear_words(self.facets.items.raw(), 0, self.facets.list.len() as u64);

@@ -14,6 +14,7 @@ use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer};
 use crate::stages::pixel_coverage::{self, PairCoverage, PixelCoverage};
 use crate::stages::pixel_triangles::{PixelLists, PixelTriangles};
 use crate::stages::sample_surfaces::{ComplexPixels, SampleSurfaces, SurfaceInputs, WORKGROUP};
+use crate::stages::surface_receivers::{GivenSurfaces, ListedPixels, ReceiverPlaces, SurfaceReceivers};
 use crate::stages::{Count, PrefixScan, prefix_scan};
 use crate::status_word;
 
@@ -28,6 +29,17 @@ pub struct SampleIds<'a> {
     pub faults: &'a Buffer<u32>,
 }
 
+/// Source of the surfaces that pixels show besides the triangles that are searched.
+#[derive(Clone, Copy, Debug)]
+pub enum SurfacesBy<'a> {
+    /// None: the triangles are all there is.
+    Search,
+    /// A G-buffer of several samples, and no search.
+    Samples(&'a SampleIds<'a>),
+    /// A G-buffer of depths or positions: some of what it shows casts nothing.
+    Receivers(GivenSurfaces<'a>),
+}
+
 /// The pipelines, for any mesh and image.
 #[derive(Debug)]
 pub struct SurfacePipelines {
@@ -36,18 +48,25 @@ pub struct SurfacePipelines {
     compact: Compact,
     surfaces: SampleSurfaces,
     fold: DispatchArgs,
+    receivers: Option<SurfaceReceivers>,
 }
 
 impl SurfacePipelines {
-    /// Builds them for so many samples a pixel; `alpha`: triangles may be alpha-tested.
-    pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32, alpha: bool) -> Self {
+    /// Builds them for so many samples a pixel; `alpha`: triangles may be alpha-tested, `receivers`: pixels may show what casts nothing.
+    pub fn new(device: &wgpu::Device, scan: &PrefixScan, samples: u32, [alpha, receivers]: [bool; 2]) -> Self {
         Self {
             triangles: PixelTriangles::new(device, scan),
             coverage: PixelCoverage::new(device, samples, alpha),
             compact: Compact::new(device, scan),
             surfaces: SampleSurfaces::for_any(device, scan, samples),
             fold: DispatchArgs::new(device),
+            receivers: receivers.then(|| SurfaceReceivers::new(device, samples)),
         }
+    }
+
+    /// Whether pixels may show what casts nothing.
+    pub fn takes_receivers(&self) -> bool {
+        self.receivers.is_some()
     }
 }
 
@@ -63,17 +82,19 @@ pub struct EverySurface {
     args: [Buffer<u32>; 3],
     casters: usize,
     most_at_pixel: u32,
+    /// Receivers around pixels, if there may be any.
+    chosen: Option<Buffer<u32>>,
 }
 
 impl EverySurface {
-    /// Makes the memory for a mesh of `casters` triangles.
+    /// Makes the memory for a mesh of `casters` triangles, and of `receivers`, if there are any.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        casters: usize,
+        (casters, receivers): (usize, bool),
         settings: &Settings,
         capacities: Capacities,
     ) -> Result<Self> {
@@ -95,6 +116,7 @@ impl EverySurface {
             ],
             casters,
             most_at_pixel: c.most_at_pixel,
+            chosen: receivers.then(|| SurfaceReceivers::memory(device, pixels)).transpose()?,
         })
     }
 
@@ -137,21 +159,38 @@ impl EverySurface {
         facets: &Facets,
         id_keys: &Buffer<u32>,
         status_words: &Buffer<u32>,
-        given: Option<&SampleIds>,
+        by: SurfacesBy,
     ) -> Result<()> {
         let (lists, coverage, complex) = (&self.lists, &self.coverage, &self.complex);
+        let points = in_camera.points;
+        let receivers = match (by, &with.receivers, &self.chosen) {
+            (SurfacesBy::Receivers(given), Some(with), Some(chosen)) => Some((given, with, chosen)),
+            _ => None,
+        };
         let [again_args, pair_args, pixel_args] = &self.args;
         let pixels = lists.counts.len();
         rec.clear(lists.cover_keys.raw());
         rec.clear(lists.counts.raw());
-        if let Some(SampleIds { stage: of_samples, given, faults }) = given {
+        if let SurfacesBy::Samples(SampleIds { stage: of_samples, given, faults }) = by {
             let stage = &mut rec.stage("gbuffer_triangles");
             of_samples.record(stage, frame, given, lists, id_keys, &self.scan_scratch, status_words, faults)?;
         } else {
             let stage = &mut rec.stage("pixel_triangles");
             with.fold.record(stage, in_camera.offsets, &self.requests[0], again_args)?;
             let rest = (again_args.raw(), 0);
-            with.triangles.record(stage, frame, in_camera, rest, lists, id_keys, &self.scan_scratch, status_words)?;
+            if let Some((given, with, chosen)) = receivers {
+                let places = ReceiverPlaces { positions, points };
+                with.record_own(stage, frame, given, places, lists, id_keys, chosen)?;
+            }
+            with.triangles.record_counts(stage, frame, in_camera, lists, id_keys)?;
+            if let Some((given, with, chosen)) = receivers {
+                with.record_choose(stage, frame, given, points, lists, id_keys, chosen)?;
+            }
+            let (triangles, scratch) = (&with.triangles, &self.scan_scratch);
+            triangles.record_lists(stage, frame, in_camera, rest, lists, id_keys, (scratch, status_words))?;
+            if let Some((_, with, chosen)) = receivers {
+                with.record_list(stage, frame, lists, chosen);
+            }
         }
         // Another compilation may have written fewer than were counted: they begin at 0 all the same.
         rec.clear(lists.counts.raw());
@@ -175,7 +214,12 @@ impl EverySurface {
             with.compact.record(stage, flags, None, &complex.pixels, total, &self.compact_scratch, count)?;
             with.fold.record(stage, &complex.total, &self.requests[2], pixel_args)?;
             let (args, scratch) = ((pixel_args.raw(), 0), &self.scan_scratch);
-            if let Some(SampleIds { stage: of_samples, given, .. }) = given {
+            if let Some((given, with, chosen)) = receivers {
+                let groups = Groups::Indirect(args.0, args.1);
+                let listed = ListedPixels { pixels: &complex.pixels, total: &complex.total, groups };
+                with.record_cover(stage, frame, samples, given, points, listed, lists, (coverage, chosen))?;
+            }
+            if let SurfacesBy::Samples(SampleIds { stage: of_samples, given, .. }) = by {
                 let (listed, total, groups) = (&complex.pixels, &complex.total, Groups::Indirect(args.0, args.1));
                 of_samples.record_fill(stage, frame, given, lists, listed, total, coverage, groups)?;
             }

@@ -6,7 +6,7 @@ mod frame_source;
 mod memory;
 mod pipelines;
 
-use super::every_surface::EverySurface;
+use super::every_surface::{EverySurface, SurfacesBy};
 use super::geometry::SetupOf;
 use super::prepared::CasterBuffers;
 pub use super::settings::{FacetMode, PairVariant, ProjectionVariant, Settings};
@@ -16,6 +16,7 @@ use crate::light_view::LightView;
 use crate::scene::mesh::MAX_EXTENT;
 use crate::scene::{Camera, Light};
 use crate::stages::Count;
+use crate::stages::camera_visibility::Blocks;
 use crate::stages::facet_classify::{ClassifyInputs, Facets};
 use crate::stages::light_layers::Layers;
 use crate::stages::pixel_counts::PixelCounts;
@@ -65,9 +66,12 @@ impl FacetMasks {
         }
         let every_surface = match settings.facets {
             FacetMode::One => None,
-            FacetMode::All => Some(EverySurface::new(device, queue, casters.triangles.len(), settings, capacities)?),
+            FacetMode::All => {
+                let casters = (casters.triangles.len(), pipelines.take_receivers());
+                Some(EverySurface::new(device, queue, casters, settings, capacities)?)
+            }
         };
-        let memory = Memory::new(device, queue, casters, settings, &pipelines.light_maps, capacities)?;
+        let memory = Memory::new(device, queue, casters, settings, &pipelines, capacities)?;
         let settings = settings.clone();
         Ok(Self { settings, with: pipelines, every_surface, memory, capacities, found: None, keeps_found: false })
     }
@@ -251,7 +255,14 @@ impl FacetMasks {
             (None, FacetSource::Centres(write)) => write(rec, frame)?,
             (None, _) => geometry.record_camera(rec, &self.with.geometry, frame, casters)?,
             (Some((camera, with)), seen) => {
-                let given = if let FacetSource::Samples(given) = seen { Some(given) } else { None };
+                let by = match seen {
+                    FacetSource::Samples(given) => SurfacesBy::Samples(given),
+                    FacetSource::Receivers(write, given) => {
+                        write(rec, frame)?;
+                        SurfacesBy::Receivers(given)
+                    }
+                    _ => SurfacesBy::Search,
+                };
                 rec.clear(geometry.id_keys.raw());
                 let positions = &casters.positions;
                 camera.record(
@@ -265,7 +276,7 @@ impl FacetMasks {
                     &m.facets,
                     &geometry.id_keys,
                     &m.status,
-                    given,
+                    by,
                 )?;
             }
         }
@@ -412,6 +423,11 @@ impl FacetMasks {
     fn args(&self, stage: &mut crate::gpu::Stage, arg: Arg, offsets: &Buffer<u32>) -> Result<()> {
         let m = &self.memory;
         self.with.fold.record(stage, offsets, &m.requests[arg as usize], &m.args)
+    }
+
+    /// Blocks of pixels of the casters, after `triangle_setup`.
+    pub fn in_camera<'a>(&'a self, casters: &'a CasterBuffers) -> Blocks<'a> {
+        self.memory.geometry.in_camera(casters)
     }
 
     /// The uniform `frame` of each view, band and round.

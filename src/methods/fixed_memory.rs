@@ -252,7 +252,7 @@ impl FixedMemory {
         Ok(Self {
             counted: counts.then(counted).transpose()?,
             with: GeometryPipelines::new(device, settings.alpha_tested, settings.tells_depths()),
-            geometry: Geometry::new(device, queue, casters, settings.pixels(), settings.map as usize)?,
+            geometry: Geometry::new(device, queue, (casters, 0), settings.pixels(), settings.map as usize)?,
             settings,
             frame: Buffer::uniform(device, "frame", 1)?,
             samples,

@@ -81,14 +81,15 @@ const CAMERA_ARGS: usize = 0;
 const LIGHT_ARGS: usize = 3;
 
 impl Geometry {
-    /// Makes the memory for an image of `pixels` pixels and a map of `map` texels a side.
+    /// Makes the memory for an image of `pixels` pixels and a map of `map` texels a side, with room behind the casters' points for those of so many
+    /// `receivers`, triangles of their own.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        casters: &CasterBuffers,
+        (casters, receivers): (&CasterBuffers, usize),
         pixels: usize,
         map: usize,
     ) -> Result<Self> {
@@ -98,7 +99,7 @@ impl Geometry {
         };
         let offsets = |label: &str, cells: usize| Buffer::storage(device, label, WorkOwners::words(triangles, cells));
         Ok(Self {
-            points: Buffer::storage(device, "vertex_project.points", vertices)?,
+            points: Buffer::storage_with_room(device, "vertex_project.points", vertices, 3 * receivers)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
             requested: RequestedBlocks::memory(device, map)?,
             facts: TriangleFacts::new(device, triangles)?,

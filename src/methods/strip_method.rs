@@ -11,6 +11,7 @@ use crate::gpu::KeptPrograms;
 use crate::gpu::{Buffer, Recorder, StagedUploads, Uploads};
 use crate::light_view::{LightView, Margins};
 use crate::scene::{Camera, Light};
+use crate::stages::camera_visibility::Blocks;
 use crate::stages::facet_classify::Facets;
 use crate::stages::pixel_counts::PixelCounts;
 use crate::{Error, Result};
@@ -208,6 +209,15 @@ impl StripMethod {
             Self::FacetMasks(method) => method.capacities().views,
             #[cfg(feature = "baselines")]
             Self::Fixed(method) => method.views() as u32,
+        }
+    }
+
+    /// Blocks of pixels of the casters, of `facet-masks`.
+    pub fn in_camera<'a>(&'a self, casters: &'a CasterBuffers) -> Option<Blocks<'a>> {
+        match self {
+            Self::FacetMasks(method) => Some(method.in_camera(casters)),
+            #[cfg(feature = "baselines")]
+            Self::Fixed(_) => None,
         }
     }
 

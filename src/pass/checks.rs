@@ -49,8 +49,8 @@ impl ShadowPass {
                 "a G-buffer of several samples: facet-masks takes it, other methods find every surface themselves",
             ),
             GBuffer::SampleIds(given) => given.check(part, self.settings.samples.offsets()),
-            _ if self.settings.facets == FacetMode::All => refuse(
-                "a G-buffer of one sample shows one surface a pixel; with a facet for every surface the pass finds them",
+            GBuffer::TriangleIds(_) if self.settings.facets == FacetMode::All => refuse(
+                "triangle numbers of one sample show one surface a pixel; with a facet for every surface the pass finds casters itself, and takes depths or positions",
             ),
             GBuffer::TriangleIds(given) => given.check(part),
             GBuffer::Surfaces(_) if !self.maker.receivers => {

@@ -16,7 +16,8 @@ pub enum GBuffer<'a> {
     None,
     /// The triangle at each pixel centre. One facet a pixel, as without a G-buffer: for the same triangles the same bits.
     TriangleIds(TriangleTexture<'a>),
-    /// Where the surface at each pixel centre is, be it a caster's or not. One facet a pixel.
+    /// Where the surface at each pixel centre is, be it a caster's or not. With one facet a pixel it stands for the pixel; with one for every surface the
+    /// pass finds the casters that samples see itself, and what is no caster is seen beside and behind them.
     Surfaces(SurfaceTextures<'a>),
     /// The triangles at several places of each pixel. A facet for every surface that one of them shows.
     SampleIds(SampleTexture<'a>),
@@ -108,13 +109,22 @@ impl<'a> SampleTexture<'a> {
 /// [`PassConfig::receivers`](super::PassConfig::receivers).
 ///
 /// A pixel that shows a caster takes that caster's triangle, so that no surface shadows itself and no bias is needed. Which
-/// pixels do is said by `ids`. Without them it is found by comparing the given place with the casters that the pass itself
-/// sees at the pixel centre and, where two rasterizers may differ by a rounding, at the pixels around it. So the application
-/// must draw every caster that may hide another from its camera, or give numbers: what is taken for no caster, but lies on
-/// one, is in its shadow here and there. All other surfaces receive shadows and cast none.
+/// pixels do is said by `ids`. Without them it is found by comparing the given place with the caster that the pass itself
+/// sees at the pixel centre, and then with all that lie there. All other surfaces receive shadows and cast none.
 ///
-/// **Error.** One plane represents the whole pixel, as with all G-buffers of one sample. A surface that casts nothing is as
-/// exact as its place and normal; reconstructed normals are off at creases, and a surface without another pixel of its kind near
+/// **Error.** With [`FacetMode::One`](crate::methods::FacetMode::One) one plane represents the whole pixel. With
+/// [`FacetMode::All`](crate::methods::FacetMode::All) every sample sees the casters that the pass itself finds there, without error. Of what casts nothing
+/// one place a pixel is known, so its own outline is right to a pixel:
+///
+/// - A pixel whose centre shows it has its plane at all samples, before and behind casters.
+/// - A pixel whose centre shows a caster has it where casters leave samples free: that of the nearest pixel, up to two away, whose plane does not run
+///   before what is seen there. Where it would hide a part of that caster it is not seen, and where one caster covers the pixel nothing is looked for.
+/// - A pixel whose centre shows nothing, or what is unusable, has none.
+///
+/// Numbers must name the casters that the pass sees there; a pixel in which it finds none keeps the one that they name. Casters that the camera does not
+/// see ([`Roles::UNSEEN`](crate::scene::Roles::UNSEEN)) and that lie on surfaces that it does shadow these here and there.
+///
+/// A surface that casts nothing is as exact as its place and normal; reconstructed normals are off at creases, and a surface without another pixel of its kind near
 /// in its row or column is taken to face the eye. A caster that lies in the plane of such a surface shadows it or not by the
 /// rounding of its place.
 #[derive(Clone, Copy, Debug)]
@@ -127,10 +137,11 @@ pub struct SurfaceTextures<'a> {
     pub normals: Option<&'a wgpu::Texture>,
     /// Which pixels show casters: the rest show something else, or nothing. `None`: found out.
     pub ids: Option<TriangleTexture<'a>>,
-    /// Without `ids`: how far from the plane of a caster its surface may be said to be, as a share of its view depth. It is
-    /// no bias: it only says which pixels show a caster. [`SurfaceTextures::TOLERANCE`] is above what a depth buffer of 32
-    /// bits loses if it is reversed or a position texture, and a tenth of a pixel of most cameras. A surface that is no caster
-    /// but nearer than this to one that would be seen there takes the caster's shadow.
+    /// How far from the plane of a caster its surface may be said to be, as a share of its view depth; of positions the rounding of their coordinates
+    /// is added. It is no bias: it says which pixels show a caster, where there are no `ids`, and with a facet for every surface which planes are one, and which
+    /// of two is before the other. [`SurfaceTextures::TOLERANCE`] is above what a depth buffer of 32
+    /// bits loses if it is reversed, and a tenth of a pixel of most cameras. A surface that is no caster
+    /// but nearer than this to one that lies there takes the caster's shadow.
     pub tolerance: f32,
 }
 

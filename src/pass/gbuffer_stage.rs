@@ -13,8 +13,10 @@ use crate::methods::{FacetMode, Settings};
 use crate::stages::PrefixScan;
 use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer, Texture};
 use crate::stages::pixel_receivers::{
-    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS, PixelReceivers, PixelReceiversParams, ReceiverRoom, Textures,
+    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS, PixelReceivers, PixelReceiversParams, ReceiverKeys,
+    ReceiverRoom, SeenCasters, Textures,
 };
+use crate::stages::surface_receivers::GivenSurfaces;
 use crate::stages::triangle_ids::{self, TriangleIds};
 
 /// The pipelines, and memory for an image.
@@ -43,31 +45,30 @@ pub struct With<'a> {
     pub further: &'a [StagedUploads],
 }
 
-/// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows.
-pub const HALO: u32 = MOST_STEPS;
+/// Rows of neighbours on either side in which `pixel_receivers` looks for what a pixel shows, and `surface_receivers` for what its neighbours do.
+pub const HALO: u32 = MOST_STEPS + 2;
 
 struct Receivers {
     stage: PixelReceivers,
-    /// Complement of each pixel's triangle.
-    keys: Buffer<u32>,
+    keys: ReceiverKeys,
     /// Bound where no triangle numbers are given.
     no_ids: wgpu::TextureView,
 }
 
 impl GbufferStage {
-    /// With the [`keys`] of the pixels of which surfaces that are no casters are told apart, if the pass has room for them.
+    /// With the keys of the pixels of which surfaces that are no casters are told apart, if the pass has room for them.
     ///
     /// # Errors
     /// [`Error::Gpu`](crate::Error::Gpu) if the device has no memory.
-    pub fn new(device: &wgpu::Device, settings: &Settings, keys: Option<Buffer<u32>>) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, settings: &Settings, keys: Option<ReceiverKeys>) -> Result<Self> {
         let every = settings.facets == FacetMode::All;
         let samples = every.then(|| GbufferTriangles::new(device, &PrefixScan::new(device)));
-        let receivers = keys.map(|keys| Receivers::new(device, keys));
+        let receivers = keys.map(|keys| Receivers::new(device, keys, settings.alpha_tested));
         Ok(Self { ids: TriangleIds::new(device), receivers, samples })
     }
 
-    /// Uses other memory from now on, of [`keys`].
-    pub fn take(&mut self, keys: Option<Buffer<u32>>) {
+    /// Uses other memory from now on.
+    pub fn take(&mut self, keys: Option<ReceiverKeys>) {
         if let (Some(receivers), Some(keys)) = (&mut self.receivers, keys) {
             receivers.keys = keys;
         }
@@ -84,13 +85,30 @@ impl GbufferStage {
                 method.record(rec, buffers, FacetSource::Centres(&ids), (maps, extent), further)
             }
             (GBuffer::Surfaces(given), Some(receivers)) => {
+                let textures = GivenTextures::new(given, with.size);
                 let surfaces = |rec: &mut Recorder, frame: &Buffer<Frame>| {
                     if given.ids.is_none() {
                         method.record_camera(rec, buffers)?;
                     }
-                    receivers.record(rec, frame, given, with)
+                    receivers.record(rec, frame, &textures, with)
                 };
-                method.record(rec, buffers, FacetSource::Centres(&surfaces), (maps, extent), further)
+                let keys = &receivers.keys.keys;
+                if self.samples.is_some() {
+                    let given = GivenSurfaces { params: textures.params, place: &textures.place, keys };
+                    return method.record(
+                        rec,
+                        buffers,
+                        FacetSource::Receivers(&surfaces, given),
+                        (maps, extent),
+                        further,
+                    );
+                }
+                let centres = |rec: &mut Recorder, frame: &Buffer<Frame>| {
+                    surfaces(rec, frame)?;
+                    rec.copy(keys.raw(), method.id_keys().raw(), keys.len() as u64 * 4);
+                    Ok(())
+                };
+                method.record(rec, buffers, FacetSource::Centres(&centres), (maps, extent), further)
             }
             (GBuffer::SampleIds(given), _) => self.record_samples(rec, given, ours, with),
             _ => method.record(rec, buffers, FacetSource::Found, (maps, extent), further),
@@ -120,7 +138,7 @@ impl GbufferStage {
 }
 
 impl Receivers {
-    fn new(device: &wgpu::Device, keys: Buffer<u32>) -> Self {
+    fn new(device: &wgpu::Device, keys: ReceiverKeys, alpha: bool) -> Self {
         let no_ids = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("pixel_receivers.no_ids"),
             size: wgpu::Extent3d::default(),
@@ -131,11 +149,36 @@ impl Receivers {
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
-        Self { stage: PixelReceivers::new(device), keys, no_ids: first_level(&no_ids) }
+        Self { stage: PixelReceivers::new(device, alpha), keys, no_ids: first_level(&no_ids) }
     }
 
-    fn record(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: &SurfaceTextures, with: With) -> Result<()> {
-        let With { method, size, casters, faults, .. } = with;
+    /// Records what pixels show, by the method's own search among its casters.
+    fn record(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: &GivenTextures, with: With) -> Result<()> {
+        let With { method, casters, faults, .. } = with;
+        let GivenTextures { params, place, normals, ids } = given;
+        let textures =
+            Textures { place, normals: normals.as_ref().unwrap_or(place), ids: ids.as_ref().unwrap_or(&self.no_ids) };
+        let buffers = &casters.buffers;
+        let surfaces =
+            ReceiverRoom { numbers: &casters.numbers, triangles: &buffers.triangles, positions: &buffers.positions };
+        let Some(blocks) = method.in_camera(buffers) else { return Ok(()) };
+        let seen = SeenCasters { blocks, id_keys: method.id_keys() };
+        let stage = &mut rec.stage("pixel_receivers");
+        self.stage.record(stage, frame, *params, textures, surfaces, seen, &self.keys, faults)
+    }
+}
+
+/// Views of an application's textures, and what they contain.
+struct GivenTextures {
+    params: PixelReceiversParams,
+    place: wgpu::TextureView,
+    normals: Option<wgpu::TextureView>,
+    ids: Option<wgpu::TextureView>,
+}
+
+impl GivenTextures {
+    /// Those of an image of so many pixels.
+    fn new(given: &SurfaceTextures, size: [u32; 2]) -> Self {
         let (place, mut params) = match given.place {
             SurfacePosition::Depth { texture, terms, nothing } => {
                 let (depth, tilt) = terms.over_image(size);
@@ -154,24 +197,6 @@ impl Receivers {
             (params.first, params.none) = (ids.first, ids.none);
             params.given |= GIVEN_IDS;
         }
-        let textures = Textures {
-            place: &place,
-            normals: normals.as_ref().unwrap_or(&place),
-            ids: ids.as_ref().unwrap_or(&self.no_ids),
-        };
-        let buffers = &casters.buffers;
-        let surfaces =
-            ReceiverRoom { numbers: &casters.numbers, triangles: &buffers.triangles, positions: &buffers.positions };
-        {
-            let (seen, stage) = (method.id_keys(), &mut rec.stage("pixel_receivers"));
-            self.stage.record(stage, frame, params, textures, surfaces, seen, &self.keys, faults)?;
-        }
-        rec.copy(self.keys.raw(), method.id_keys().raw(), self.keys.len() as u64 * 4);
-        Ok(())
+        Self { params, place, normals, ids }
     }
-}
-
-/// Memory for the triangles of so many pixels.
-pub fn keys(device: &wgpu::Device, pixels: usize) -> Result<Buffer<u32>> {
-    Buffer::storage(device, "pixel_receivers.keys", pixels)
 }

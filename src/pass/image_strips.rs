@@ -2,7 +2,7 @@
 //! in turn, and beside it the whole image where there is more than one strip.
 
 use super::casters::CasterSet;
-use super::gbuffer_stage::{HALO, keys};
+use super::gbuffer_stage::HALO;
 use super::inputs::Target;
 use super::textures::one_level;
 use crate::gpu::{Buffer, Profile, Recorder, TexelRows};
@@ -14,6 +14,7 @@ use crate::methods::strip_method::{MethodPipelines, StripMethod};
 use crate::methods::strips::{Rows, Strips};
 use crate::methods::{Settings, list_sizing};
 use crate::stages::pixel_counts::PixelCounts;
+use crate::stages::pixel_receivers::ReceiverKeys;
 use crate::stages::visibility_texture::{MeanVisibility, PackedVisibility, Packing, VisibilityTexture};
 use crate::{Error, Result};
 
@@ -65,7 +66,7 @@ pub struct NewStrips {
     /// The casters, with room behind them for a triangle a pixel of a strip.
     pub surfaces: Option<MeshBuffers>,
     /// Triangle keys of a strip.
-    pub keys: Option<Buffer<u32>>,
+    pub keys: Option<ReceiverKeys>,
 }
 
 impl StripMaker {
@@ -129,7 +130,7 @@ impl StripMaker {
         Ok(NewStrips {
             image: ImageStrips { strips, method, whole: None, packed: None },
             surfaces: self.receivers.then_some(()).map(room).transpose()?,
-            keys: self.receivers.then(|| keys(device, pixels)).transpose()?,
+            keys: self.receivers.then(|| ReceiverKeys::new(device, pixels)).transpose()?,
         })
     }
 }

@@ -359,10 +359,11 @@ impl<'a> LightTarget<'a> {
 /// Where results go.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Target<'a> {
-    /// Visibility of each pixel in `[0, 1]`, row 0 at the top; 1 where nothing is seen.
+    /// Visibility of each pixel in `[0, 1]`, row 0 at the top: the share that is lit of its samples that see anything; 1 where none does. A surface whose seen
+    /// side faces away from the light is dark, be it a caster or not.
     pub visibility: Option<TargetTexture<'a>>,
     /// Lit samples of each pixel, one bit a sample, [`words`](crate::samples::Samples::words) words a pixel, row by row from
-    /// the top; all ones where nothing is seen. Usage `COPY_DST`; written from its start.
+    /// the top; all ones where no sample of the pixel sees anything. Usage `COPY_DST`; written from its start.
     pub lit: Option<&'a wgpu::Buffer>,
     /// Work of each pixel, a [`PixelCounts`] a pixel, row by row from the top: for passes with [`count_pixels`](crate::methods::Settings::count_pixels). Usage
     /// `COPY_DST`; written from its start. They are of the frame itself, also where [`keep_last`](super::PassConfig::keep_last) shows another, and of

@@ -11,8 +11,8 @@
 //! - **Error.** With [`FacetMode::One`](crate::methods::FacetMode::One) the surface at the centre, found or given, represents the whole
 //!   pixel: pixels that show several surfaces differ from scene truth: 0.4 to 14 % of all pixels of the scenes in `data/reports/truth.md`
 //!   by more than one sample of 32.
-//!   [`FacetMode::All`](crate::methods::FacetMode::All) has none of that error; it needs every surface of a pixel, so it takes no G-buffer of one sample, and of
-//!   one with several it misses what none of them shows: `data/reports/gbuffer.md` has figures.
+//!   [`FacetMode::All`](crate::methods::FacetMode::All) has none of that error; of a G-buffer of several samples it misses what none of them shows, of depths or
+//!   positions the outlines of what is no caster within a pixel: `data/reports/gbuffer.md` has figures.
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
 //! - **Parts.** Casters that stand, move and are instances may be one pass's ([`Casters::Parts`]), and come and go while it runs ([`ShadowPass::add_part`]).
@@ -111,8 +111,8 @@ pub struct PassConfig<'a> {
     pub budget: Budget,
     /// Let the lists grow by themselves; without it, [`ShadowPass::grow`] does.
     pub grow: bool,
-    /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 68 bytes a pixel of a strip,
-    /// 48 of them behind the casters' positions in one binding.
+    /// Make room for surfaces that receive shadows and cast none, which [`GBuffer::Surfaces`] needs: 72 bytes a pixel of a strip, with a facet for every
+    /// surface 124, 48 of them behind the casters' positions in one binding.
     pub receivers: bool,
     /// Make room for lists of lights ([`ShadowPass::record_light_lists`], [`Target::listed`]): a byte a pixel and 8 a tile of 64, of any number of lights.
     pub light_lists: bool,
@@ -121,7 +121,7 @@ pub struct PassConfig<'a> {
     pub strips: u32,
     /// Show the last complete picture until there is another: a frame that is not [`complete`](FrameStatus::complete) changes neither its
     /// targets' picture from that of the last one that was, nor [`ShadowPass::visibility`] and [`ShadowPass::lit`]. Before the first all is
-    /// lit. The GPU decides it by the frame's own counters; it takes the memory of a picture more, and one copy of it a frame.
+    /// lit. A fault, such as a texel that is no place, makes a frame incomplete. The GPU decides it by its counters; it takes the memory of a picture more, and a copy.
     pub keep_last: bool,
     /// Take the time of each stage, where the device has [`wgpu::Features::TIMESTAMP_QUERY`].
     pub timing: bool,

@@ -52,6 +52,7 @@ pub mod sorted_pairs;
 pub mod spsm_map;
 pub mod spsm_query;
 pub mod summed_area;
+pub mod surface_receivers;
 pub mod texel_group;
 pub mod triangle_ids;
 pub mod triangle_setup;

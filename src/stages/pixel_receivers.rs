@@ -1,7 +1,8 @@
 //! Surface of each pixel, from an application's depth or position texture: casters, and surfaces that cast nothing.
 //!
-//! - **Reads** a texture of depths or world positions, if given world normals and triangle numbers, and the casters' triangle at
-//!   each pixel centre (`camera_visibility`; not read where numbers are given).
+//! - **Reads** a texture of depths or world positions, if given world normals and triangle numbers. Where none are given, the casters' triangle at
+//!   each pixel centre (`camera_visibility`), and the blocks of pixels that casters may touch: a pixel shows a caster if its surface lies on one, seen
+//!   or not, give or take a tolerance.
 //! - **Writes** `keys`: complement of each pixel's triangle, 0 where there is none. Of a pixel that shows no caster it is number
 //!   `triangle_count + pixel`, whose three vertices, from `vertex_count + 3 * pixel` on, the stage writes around the pixel's
 //!   surface: on the plane of its normal, as far from it as its coordinates are large, so that rounding turns it by less than
@@ -12,9 +13,10 @@
 //!   strip's. Neighbours are looked for in the strip alone: it must hold [`MOST_STEPS`] rows of other strips around its own.
 //!   Faults count in its own rows.
 //! - **Guarantee.** Same inputs, same bits.
-//! - **Cost.** One dispatch over pixels: without numbers up to nine triangles are read, without normals five texels or more; 52
-//!   bytes a pixel are written.
+//! - **Cost.** One dispatch over pixels: without normals five texels or more; 52 bytes a pixel are written. Without numbers another, and one over
+//!   blocks of casters, which look at pixels that show no caster at their centre.
 
+use super::camera_visibility::Blocks;
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::bindings::{TextureFloat, TextureUint};
@@ -27,7 +29,7 @@ use crate::shared_struct;
 
 shared_struct! {
     /// Contents of an application's textures.
-    "pixel_receivers/given_place" => pub struct PixelReceiversParams {
+    "shared/frame/given_place" => pub struct PixelReceiversParams {
         /// At view depth `z`, world units, the texture holds `([0] * z + [1]) / ([2] * z + [3])`; `[0]` is that of the image's top left corner.
         pub depth: [f32; 4],
         /// The depth for no surface.
@@ -69,23 +71,62 @@ pub struct ReceiverRoom<'a> {
     pub positions: &'a Buffer<[f32; 4]>,
 }
 
-/// The pipeline.
+/// Casters seen: their blocks of pixels, and the complement of that at each pixel centre. Not read where triangle numbers are given.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenCasters<'a> {
+    /// The blocks.
+    pub blocks: Blocks<'a>,
+    /// The keys.
+    pub id_keys: &'a Buffer<u32>,
+}
+
+/// State of each pixel.
+#[derive(Debug)]
+pub struct ReceiverKeys {
+    /// Complement of its triangle, 0 where there is none.
+    pub keys: Buffer<u32>,
+    /// Caster on which its surface lies, while it is looked for.
+    pub claims: Buffer<u32>,
+}
+
+impl ReceiverKeys {
+    /// Memory for so many pixels.
+    ///
+    /// # Errors
+    /// As [`Buffer::storage`].
+    pub fn new(device: &wgpu::Device, pixels: usize) -> Result<Self> {
+        Ok(Self {
+            keys: Buffer::storage(device, "pixel_receivers.keys", pixels)?,
+            claims: Buffer::storage(device, "pixel_receivers.claims", pixels)?,
+        })
+    }
+}
+
+/// The pipelines.
 #[derive(Debug)]
 pub struct PixelReceivers {
+    find: kernel::FindProgram,
+    claim: kernel::ClaimProgram,
     take: kernel::TakeProgram,
     uniforms: Uniforms,
 }
 
 impl PixelReceivers {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
-        Self { take: kernel::TakeProgram::new(device, ()), uniforms: Uniforms::default() }
+    /// Builds the pipelines; `alpha`: casters may be alpha-tested.
+    pub fn new(device: &wgpu::Device, alpha: bool) -> Self {
+        let constants = kernel::Constants { alpha: u32::from(alpha) };
+        Self {
+            find: kernel::FindProgram::new(device, constants),
+            claim: kernel::ClaimProgram::new(device, constants),
+            take: kernel::TakeProgram::new(device, constants),
+            uniforms: Uniforms::default(),
+        }
     }
 
-    /// Records the stage for as many pixels as `keys` holds.
+    /// Records the stage for as many pixels as `to` holds.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] if `faults` or `id_keys` is too short, or there is no room behind the casters.
+    /// [`crate::Error::Config`] if `faults` or the keys of casters are too short, or there is no room behind the casters.
     #[expect(clippy::too_many_arguments, reason = "one argument a group of buffers, inputs first")]
     pub fn record(
         &self,
@@ -94,10 +135,12 @@ impl PixelReceivers {
         params: PixelReceiversParams,
         textures: Textures,
         surfaces: ReceiverRoom,
-        id_keys: &Buffer<u32>,
-        keys: &Buffer<u32>,
+        casters: SeenCasters,
+        to: &ReceiverKeys,
         faults: &Buffer<u32>,
     ) -> Result<()> {
+        let ReceiverKeys { keys, claims } = to;
+        let SeenCasters { blocks, id_keys } = casters;
         let pixels = keys.len();
         let room = |bytes: u64, element: usize, len: usize| (bytes as usize / element).saturating_sub(len);
         let (triangles, positions) = (surfaces.triangles, surfaces.positions);
@@ -105,18 +148,45 @@ impl PixelReceivers {
         super::holds("pixel_receivers", "id_keys", id_keys.len(), pixels)?;
         super::holds("pixel_receivers", "triangles", room(triangles.bytes(), 16, triangles.len()), pixels)?;
         super::holds("pixel_receivers", "positions", room(positions.bytes(), 16, positions.len()), 3 * pixels)?;
+        let numbers_given = params.given & GIVEN_IDS != 0;
         let params = self.uniforms.get(stage.device, &params)?;
+        let (frame, params, place) = (frame.as_uniform(), params.as_uniform(), TextureFloat(textures.place));
+        let (claims, places) = (claims.as_write(), positions.as_write());
+        if !numbers_given {
+            let id_keys = id_keys.as_read();
+            let bindings = kernel::Find {
+                frame,
+                params,
+                place,
+                id_keys,
+                triangles: triangles.as_read(),
+                positions: places,
+                claims,
+            };
+            stage.run(&self.find, bindings, Groups::Items(pixels as u64));
+            let bindings = kernel::Claim {
+                frame,
+                params,
+                place,
+                triangles: triangles.as_read(),
+                positions: places,
+                claims,
+                camera_rects: blocks.rects.as_read(),
+                work_offsets: blocks.offsets.as_read(),
+            };
+            stage.run(&self.claim, bindings, Groups::Indirect(blocks.args.0, blocks.args.1));
+        }
         let bindings = kernel::Take {
-            frame: frame.as_uniform(),
-            params: params.as_uniform(),
-            place: TextureFloat(textures.place),
+            frame,
+            params,
+            place,
             normals: TextureFloat(textures.normals),
             ids: TextureUint(textures.ids),
             numbers: surfaces.numbers.as_read(),
-            id_keys: id_keys.as_read(),
-            triangles: triangles.as_write(),
-            positions: positions.as_write(),
+            made_triangles: triangles.as_write(),
+            positions: places,
             keys: keys.as_write(),
+            claims,
             faults: faults.as_write(),
         };
         stage.run(&self.take, bindings, Groups::Items(pixels as u64));

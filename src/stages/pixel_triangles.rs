@@ -112,28 +112,52 @@ impl PixelTriangles {
         scratch: &prefix_scan::PrefixScanScratch,
         status: &Buffer<u32>,
     ) -> Result<()> {
+        self.record_counts(stage, frame, blocks, lists, id_keys)?;
+        self.record_lists(stage, frame, blocks, rest, lists, id_keys, (scratch, status))
+    }
+
+    /// Records the counts alone. What adds to them runs next, then [`PixelTriangles::record_lists`].
+    ///
+    /// # Errors
+    /// As [`PixelTriangles::record`].
+    pub fn record_counts(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        blocks: Blocks,
+        lists: &PixelLists,
+        id_keys: &Buffer<u32>,
+    ) -> Result<()> {
         let (pixels, all) = (lists.counts.len(), blocks.args);
-        let kept = self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })?;
-        let raster = kernel::Raster {
-            frame: frame.as_uniform(),
-            step: kept.as_uniform(),
-            triangles: blocks.triangles.as_read(),
-            points: blocks.points.as_read(),
-            camera_rects: blocks.rects.as_read(),
-            work_offsets: blocks.offsets.as_read(),
-            cover_keys: lists.cover_keys.as_write(),
-            pixel_counts: lists.counts.as_write(),
-            pixel_offsets: lists.offsets.as_read(),
-            pixel_list: lists.list.as_write(),
-            touched: lists.touched.as_write(),
-            id_keys: id_keys.as_write(),
-        };
+        let kept = self.kept(stage, lists)?;
+        let raster = raster(frame, &kept, blocks, lists, id_keys);
         stage.run(&self.cover, raster, Groups::Indirect(all.0, all.1));
         let (of_frame, cover_keys) = (frame.as_uniform(), lists.cover_keys.as_write());
         // At most so many blocks, whatever the image's shape.
         let blocks = Groups::Items(pixels.div_ceil(8) as u64);
         stage.run(&self.cover_blocks, kernel::CoverBlocks { frame: of_frame, cover_keys }, blocks);
         stage.run(&self.count, raster, Groups::Indirect(all.0, all.1));
+        Ok(())
+    }
+
+    /// Records which pixels are single, and the lists of the others.
+    ///
+    /// # Errors
+    /// As [`PixelTriangles::record`].
+    #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
+    pub fn record_lists(
+        &self,
+        stage: &mut Stage,
+        frame: &Buffer<Frame>,
+        blocks: Blocks,
+        rest: (&wgpu::Buffer, u64),
+        lists: &PixelLists,
+        id_keys: &Buffer<u32>,
+        (scratch, status): (&prefix_scan::PrefixScanScratch, &Buffer<u32>),
+    ) -> Result<()> {
+        let (pixels, all) = (lists.counts.len(), blocks.args);
+        let kept = self.kept(stage, lists)?;
+        let raster = raster(frame, &kept, blocks, lists, id_keys);
         let bindings = kernel::Judge {
             frame: frame.as_uniform(),
             cover_keys: lists.cover_keys.as_write(),
@@ -148,5 +172,33 @@ impl PixelTriangles {
         stage.run(&self.emit, raster, Groups::Indirect(all.0, all.1));
         stage.run(&self.emit_rest, raster, Groups::Indirect(rest.0, rest.1));
         Ok(())
+    }
+
+    /// Number of blocks that have room in [`PixelLists::touched`].
+    fn kept(&self, stage: &Stage, lists: &PixelLists) -> Result<Buffer<Pass>> {
+        self.uniforms.get(stage.device, &Pass { index: lists.touched.len() as u32 })
+    }
+}
+
+fn raster<'a>(
+    frame: &'a Buffer<Frame>,
+    kept: &'a Buffer<Pass>,
+    blocks: Blocks<'a>,
+    lists: &'a PixelLists,
+    id_keys: &'a Buffer<u32>,
+) -> kernel::Raster<'a> {
+    kernel::Raster {
+        frame: frame.as_uniform(),
+        step: kept.as_uniform(),
+        triangles: blocks.triangles.as_read(),
+        points: blocks.points.as_read(),
+        camera_rects: blocks.rects.as_read(),
+        work_offsets: blocks.offsets.as_read(),
+        cover_keys: lists.cover_keys.as_write(),
+        pixel_counts: lists.counts.as_write(),
+        pixel_offsets: lists.offsets.as_read(),
+        pixel_list: lists.list.as_write(),
+        touched: lists.touched.as_write(),
+        id_keys: id_keys.as_write(),
     }
 }

@@ -42,7 +42,7 @@ impl Eye {
         Camera::of_matrices(&self.view.to_cols_array_2d(), &self.projection.to_cols_array_2d(), SIZE).expect(self.name)
     }
 
-    fn terms(&self) -> DepthTerms {
+    pub(crate) fn terms(&self) -> DepthTerms {
         DepthTerms::of_projection(&self.projection.to_cols_array_2d()).expect(self.name)
     }
 

@@ -1,6 +1,7 @@
 //! The pass with an application's G-buffer: surfaces by depth or position, be they casters or not, and triangle numbers of
 //! several samples a pixel.
 
+mod every_surface;
 mod frames;
 mod light_lists;
 mod orthographic;
@@ -17,8 +18,8 @@ use subpixel_shadows::gpu::Buffer;
 use subpixel_shadows::light_view::{SplitPlan, Warp};
 use subpixel_shadows::methods::{FacetMode, MethodName, Prepared, Settings};
 use subpixel_shadows::pass::{
-    Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, Moved, PassConfig, SampleTexture, SurfacePosition,
-    SurfaceTextures, Target, TriangleTexture, Vertices,
+    Casters, DepthTerms, Faults, FrameStatus, GBuffer, Inputs, LightTarget, Moved, PassConfig, SampleTexture,
+    SurfacePosition, SurfaceTextures, Target, TriangleTexture, Vertices,
 };
 use subpixel_shadows::samples::{Pattern, Samples};
 use subpixel_shadows::scene::{Camera, Light, Mesh};
@@ -464,7 +465,10 @@ fn bad_surfaces_are_refused() {
     let inputs = Inputs { gbuffer: GBuffer::Surfaces(depth(&good)), ..plain };
     refused("room for receivers", without.record(&mut encoder, &inputs, &none));
     let mut every = self::pass(settings(FacetMode::All, 32), &scene.mesh);
-    refused("one sample", every.record(&mut encoder, &inputs, &none));
+    refused("room for receivers", every.record(&mut encoder, &inputs, &none));
+    let ids = texture(SIZE, 1, TextureFormat::R32Uint, &[]);
+    let gbuffer = GBuffer::TriangleIds(TriangleTexture::new(&ids));
+    refused("one sample", every.record(&mut encoder, &Inputs { gbuffer, ..plain }, &none));
     gpu().submit_and_wait(encoder).expect("one frame was recorded");
     gpu().check().expect("no error of the device");
 }

@@ -43,7 +43,7 @@ impl Instanced {
         let settings = Settings { alpha_tested: alpha.is_some(), ..settings };
         let meshes = [CasterMesh { alpha, ..CasterMesh::new(&mesh.positions, &mesh.triangles) }];
         let casters = Casters::Instanced { meshes: &meshes, instances: &[0] };
-        let receivers = method == MethodName::FacetMasks && settings.facets == FacetMode::One;
+        let receivers = method == MethodName::FacetMasks;
         let config = PassConfig { method, receivers, ..PassConfig::new(settings, casters) };
         ShadowPass::new(&gpu().device, &gpu().queue, &config).expect("a pass")
     }
@@ -252,6 +252,36 @@ fn frames_of_an_application_are_exact() {
         moved.lit.rotate_right(1);
         assert!(wrong(&moved, &truth)[0] > 1000, "{}: a moved picture passes", eye.name);
     }
+}
+
+/// A ground that is given by its depth has, with a facet for every surface, the shadows that it has as an instance.
+#[gpu_test]
+fn a_ground_by_its_depth_is_one_of_the_world() {
+    let (all, casters, scene) = grounded("windmill", 0.01);
+    let whole = Instanced::of(Scene { mesh: all.clone(), ..scene.clone() });
+    let part = Instanced { bounds: whole.bounds, ..Instanced::of(Scene { mesh: casters, ..scene.clone() }) };
+    let own = whole.camera();
+    let (eye, target, up) = (Vec3::from(own.eye), Vec3::from(own.target), Vec3::from(own.up));
+    let [wide, tall] = [0.5 * own.height * SIZE[0] as f32 / SIZE[1] as f32, 0.5 * own.height];
+    let far = 4.0 * (target - eye).length();
+    let projection = rh::orthographic(-wide, wide, -tall, tall, 0.0, far);
+    let eye = Eye { name: "a ground", view: right_view::look_at_mat4(eye, target, up), projection, nothing: 1.0 };
+    let [view, projection] = [eye.view, eye.projection].map(|m| m.to_cols_array_2d());
+    let camera = Orthographic::of_matrices(&view, &projection, false, SIZE).expect("a camera");
+    let view = camera.in_world(whole.bounds, &[scene.light], SIZE).expect("a view");
+    let (want, _) = frame(&mut whole.pass(settings(FacetMode::All, 32)), &whole.inputs(&view, &scene.light));
+    let drawn = draw(&all, &eye);
+    let terms = DepthTerms::orthographic(&view, false);
+    let place = SurfacePosition::Depth { texture: &drawn.depth, terms, nothing: eye.nothing };
+    let gbuffer = GBuffer::Surfaces(SurfaceTextures::new(place));
+    let inputs = Inputs { gbuffer, origin: Some(ORIGIN), ..part.inputs(&view, &scene.light) };
+    let (got, status) = frame(&mut part.pass(settings(FacetMode::All, 32)), &inputs);
+    assert!(status.complete, "{status:?}");
+    let off =
+        |got: &Picture| (0..PIXELS).filter(|&p| (got.visibility[p] - want.visibility[p]).abs() * 32.0 > 1.5).count();
+    assert!(off(&got) <= 32, "{} pixels are off", off(&got));
+    let (bare, _) = frame(&mut part.pass(settings(FacetMode::All, 32)), &part.inputs(&view, &scene.light));
+    assert!(off(&bare) > 300, "without the ground {} pixels are off", off(&bare));
 }
 
 /// Several lights of one world and one camera: each as recorded by itself, to the bit; and the points of a sun of some extent.

@@ -51,6 +51,7 @@ mod sorted_pairs;
 mod spsm_map;
 mod spsm_query;
 mod summed_area;
+mod surface_receivers;
 mod texel_group;
 mod triangle_ids;
 mod triangle_setup;

@@ -3,16 +3,17 @@
 mod far;
 
 use crate::support::shadow::{World, camera, folding_gpu, random_scene, samples, uniform, unit, vector};
-use crate::support::{Random, difference, gpu, poisoned, read_padded, run, sizes_around, upload};
+use crate::support::{Random, difference, filled_texture, gpu, poisoned, read_padded, run, sizes_around, upload};
 use oracle::reference::pixel_receivers::{GbufferTexels, Ids, PixelContent, PositionSource, ReceiverPixel, pixels};
 use std::sync::OnceLock;
 use subpixel_shadows::glam::{DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::methods::prepared::padded;
 use subpixel_shadows::scene::Light;
+use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::pixel_receivers::{
     FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, PixelReceivers, PixelReceiversParams,
-    ReceiverRoom, Textures,
+    ReceiverKeys, ReceiverRoom, SeenCasters, Textures,
 };
 use subpixel_shadows::wgpu;
 use test_support::gpu_test;
@@ -59,6 +60,16 @@ impl Case {
                 0 => None,
                 1 => Some(plane),
                 _ if random.below(40) == 0 => None,
+                // One that lies behind or before others.
+                2 if random.below(3) == 0 => {
+                    let on_ray = |t: &u32| {
+                        let Some([a, b, c]) = world.triangles[*t as usize].corners else { return false };
+                        let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| p.cross(q).dot(ray));
+                        sides.iter().all(|&v| v > 0.0) || sides.iter().all(|&v| v < 0.0)
+                    };
+                    let all: Vec<u32> = (0..world.triangles.len() as u32).filter(on_ray).collect();
+                    all.get(random.below(all.len().max(1) as u32) as usize).copied().and_then(on)
+                }
                 k => seen[pixel as usize].and_then(on).map(|z| if k == 2 { z } else { z * 1.25 }),
             };
             depths.push(depth.filter(|z| *z > 1e-3 && *z < 1e3));
@@ -116,22 +127,15 @@ impl Case {
     }
 }
 
-fn texture(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat, bytes: &[u8]) -> wgpu::TextureView {
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("test.texture"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let row = bytes.len() as u32 / height;
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-    gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
-    texture.create_view(&Default::default())
+fn blocks<'a>(world: &'a World, offsets: &'a Buffer<u32>, args: &'a Buffer<u32>) -> Blocks<'a> {
+    Blocks {
+        triangles: &world.casters.triangles,
+        points: &world.map_points,
+        rects: &world.facts.camera_rects,
+        facing: &world.facts.facing,
+        offsets,
+        args: (args.raw(), 0),
+    }
 }
 
 /// What the GPU wrote: keys with their padding, the triangles and positions behind the casters, faults.
@@ -145,7 +149,7 @@ struct Got {
 
 fn ask(world: &World, case: &Case) -> Got {
     static STAGES: OnceLock<[PixelReceivers; 2]> = OnceLock::new();
-    let stages = STAGES.get_or_init(|| [gpu(), folding_gpu()].map(|g| PixelReceivers::new(&g.device)));
+    let stages = STAGES.get_or_init(|| [gpu(), folding_gpu()].map(|g| PixelReceivers::new(&g.device, false)));
     let gpu = world.gpu;
     let stage = &stages[usize::from(!std::ptr::eq(gpu, self::gpu()))];
     let pixels = case.seen.len();
@@ -162,15 +166,17 @@ fn ask(world: &World, case: &Case) -> Got {
     let place = match &case.depths {
         Some((values, terms, nothing)) => {
             (params.depth, params.nothing) = (*terms, *nothing);
-            texture(gpu, size, wgpu::TextureFormat::R32Float, bytemuck::cast_slice(values))
+            filled_texture(gpu, size, wgpu::TextureFormat::R32Float, bytemuck::cast_slice(values))
         }
-        None => texture(gpu, size, wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(&case.positions)),
+        None => filled_texture(gpu, size, wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(&case.positions)),
     };
-    let normals =
-        case.normals.as_ref().map(|n| texture(gpu, size, wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(n)));
+    let normals = case
+        .normals
+        .as_ref()
+        .map(|n| filled_texture(gpu, size, wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(n)));
     let (texels, first, none, numbers) = case.ids.clone().unwrap_or((vec![0; pixels], 0, 0, vec![0]));
     (params.first, params.none) = (first, none);
-    let ids = texture(gpu, size, wgpu::TextureFormat::R32Uint, bytemuck::cast_slice(&texels));
+    let ids = filled_texture(gpu, size, wgpu::TextureFormat::R32Uint, bytemuck::cast_slice(&texels));
     // One more than there is room for.
     let spare = |count: usize| [padded(&mesh.triangles), vec![[0xdead; 4]; count]].concat();
     let all_triangles = Buffer::from_slice(device, queue, "test", &spare(pixels + 1)).expect("memory");
@@ -180,13 +186,17 @@ fn ask(world: &World, case: &Case) -> Got {
     encoder.copy_buffer_to_buffer(all_triangles.raw(), 0, triangles.raw(), 0, all_triangles.bytes());
     gpu.submit_and_wait(encoder).expect("the copy runs");
     let id_keys: Vec<u32> = case.seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
-    let (id_keys, numbers, keys) = (upload(gpu, &id_keys), upload(gpu, &numbers), poisoned(gpu, pixels));
+    let (id_keys, numbers) = (upload(gpu, &id_keys), upload(gpu, &numbers));
+    let to = ReceiverKeys { keys: poisoned(gpu, pixels), claims: poisoned(gpu, pixels) };
+    let items = world.facts.camera_items.read(gpu).expect("readback");
+    let (offsets, args, _) = world.items(&items);
+    let seen = SeenCasters { blocks: blocks(world, &offsets, &args), id_keys: &id_keys };
     let faults = upload(gpu, &[7u32, 8, 0, 0]);
     let frame = uniform(gpu, &world.frame);
     run(gpu, |s| {
         let textures = Textures { place: &place, normals: normals.as_ref().unwrap_or(&place), ids: &ids };
         let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
-        stage.record(s, &frame, params, textures, surfaces, &id_keys, &keys, &faults)
+        stage.record(s, &frame, params, textures, surfaces, seen, &to, &faults)
     });
     // What lies behind the casters is not seen through buffers of their length.
     let behind = |raw: &wgpu::Buffer, len: usize| {
@@ -204,7 +214,7 @@ fn ask(world: &World, case: &Case) -> Got {
     assert_eq!(floats[..v], mesh.positions, "the casters' vertices are touched");
     assert_eq!((triangles[t + pixels], positions[v + 3 * pixels]), ([0xdead; 3], [0; 3]), "written past the end");
     Got {
-        keys: read_padded(gpu, &keys),
+        keys: read_padded(gpu, &to.keys),
         triangles: triangles[t..t + pixels].to_vec(),
         positions: floats[v..v + 3 * pixels].to_vec(),
         faults: faults.read(gpu).expect("readback"),
@@ -408,12 +418,14 @@ fn overflow_by_one() {
         let world = world(gpu(), [pixels, 1], &mut random);
         check(&world, &Case::new(&world, &mut random).with_normals(&mut random));
     }
-    let stage = PixelReceivers::new(&gpu().device);
+    let stage = PixelReceivers::new(&gpu().device, false);
     let (device, queue) = (&gpu().device, &gpu().queue);
-    let view = texture(gpu(), [1, 1], wgpu::TextureFormat::R32Float, &[0; 4]);
-    let ids = texture(gpu(), [1, 1], wgpu::TextureFormat::R32Uint, &[0; 4]);
-    let (numbers, keys, faults) = (upload(gpu(), &[0u32]), poisoned(gpu(), 8), upload(gpu(), &[0u32; 4]));
-    let id_keys = upload(gpu(), &[0u32; 8]);
+    let view = filled_texture(gpu(), [1, 1], wgpu::TextureFormat::R32Float, &[0; 4]);
+    let ids = filled_texture(gpu(), [1, 1], wgpu::TextureFormat::R32Uint, &[0; 4]);
+    let (numbers, faults, id_keys) = (upload(gpu(), &[0u32]), upload(gpu(), &[0u32; 4]), upload(gpu(), &[0u32; 8]));
+    let to = ReceiverKeys { keys: poisoned(gpu(), 8), claims: poisoned(gpu(), 8) };
+    let world = world(gpu(), [8, 1], &mut random);
+    let (offsets, args, _) = world.items(&vec![0; world.frame.triangle_count as usize]);
     let frame = uniform(gpu(), &Default::default());
     for (t, v, enough) in [(8, 24, true), (6, 24, false), (8, 22, false)] {
         let triangles = Buffer::with_room(device, queue, "test", &[], t).expect("memory");
@@ -421,8 +433,9 @@ fn overflow_by_one() {
         run(gpu(), |s| {
             let textures = Textures { place: &view, normals: &view, ids: &ids };
             let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
+            let seen = SeenCasters { blocks: blocks(&world, &offsets, &args), id_keys: &id_keys };
             let asked =
-                stage.record(s, &frame, PixelReceiversParams::default(), textures, surfaces, &id_keys, &keys, &faults);
+                stage.record(s, &frame, PixelReceiversParams::default(), textures, surfaces, seen, &to, &faults);
             if !enough {
                 assert!(asked.is_err(), "{t} triangles and {v} vertices pass for eight pixels");
             }

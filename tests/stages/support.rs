@@ -122,6 +122,30 @@ pub fn texture(
     texture
 }
 
+/// A view of a texture that holds `bytes` row by row.
+pub fn filled_texture(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    bytes: &[u8],
+) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("test.texture"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let row = bytes.len() as u32 / height;
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
+    texture.create_view(&Default::default())
+}
+
 /// The words of such a texture, row by row.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u32> {
     let (width, height) = (texture.width() as usize, texture.height() as usize);

@@ -1,7 +1,7 @@
 //! Definition of reading what pixels show out of an application's depths or positions.
 
 use super::view::View;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Source of the surfaces' places.
 #[derive(Clone, Copy, Debug)]
@@ -146,14 +146,10 @@ impl Asked<'_> {
         };
         let mut open = false;
         if self.given.ids.is_none() {
-            for k in (4..9).chain(0..4) {
-                let Some(q) = self.beside(pixel, [k % 3 - 1, k / 3 - 1]) else { continue };
-                let Some(t) = self.seen[q] else { continue };
-                let (shows, doubt) = self.shows(t, point, self.ray(pixel), if q == pixel { 1.0 } else { NEAR_EDGE });
-                open |= doubt;
-                if shows {
-                    return ReceiverPixel { shown: PixelContent::Caster(t), open };
-                }
+            let (caster, doubt) = self.caster(pixel, point);
+            open = doubt;
+            if let Some(t) = caster {
+                return ReceiverPixel { shown: PixelContent::Caster(t), open };
             }
         }
         let (normal, doubt) = match self.given.normals {
@@ -192,12 +188,53 @@ impl Asked<'_> {
         (off <= self.given.tolerance && inside >= 0.0, open)
     }
 
-    /// Whether a pixel shows a caster, as its neighbours look at it; and whether that is open.
+    /// Whether a ray is in a triangle ahead of the eye, or at most four times [`NEAR_EDGE`] away.
+    fn is_near(&self, t: u32, ray: DVec3) -> bool {
+        let Some(corners) = self.corners[t as usize] else { return false };
+        let rays = &self.view.rays;
+        let depths = corners.map(|p| p.dot(rays.forward));
+        if depths.iter().any(|&depth| depth <= 0.0) {
+            return false;
+        }
+        // In pixels, from the ray.
+        let across = |p: DVec3, step: DVec3| (p - ray).dot(step) / step.length_squared();
+        let [a, b, c] = [0, 1, 2].map(|k| {
+            let p = corners[k] / depths[k];
+            DVec2::new(across(p, rays.step_x), across(p, rays.step_y))
+        });
+        let apart = |p: DVec2, q: DVec2| {
+            let along = (-p).dot(q - p) / (q - p).length_squared().max(1e-30);
+            (p + (q - p) * along.clamp(0.0, 1.0)).length()
+        };
+        let turns = [a.perp_dot(b), b.perp_dot(c), c.perp_dot(a)];
+        let inside = turns.iter().all(|&v| v >= 0.0) || turns.iter().all(|&v| v <= 0.0);
+        inside || apart(a, b).min(apart(b, c)).min(apart(c, a)) < 4.0 * NEAR_EDGE
+    }
+
+    /// The caster on which a surface lies: that at the pixel's centre, else the lowest; and whether that is open.
+    fn caster(&self, pixel: usize, point: DVec3) -> (Option<u32>, bool) {
+        let mut open = false;
+        let own = self.seen[pixel].map(|t| (t, 1.0));
+        for (t, reach) in own.into_iter().chain((0..self.corners.len() as u32).map(|t| (t, NEAR_EDGE))) {
+            let (shows, doubt) = self.shows(t, point, self.ray(pixel), reach);
+            open |= doubt;
+            if shows {
+                // Beyond the tip of a sliver it goes by the blocks that are looked at.
+                open |= reach == NEAR_EDGE && !self.is_near(t, self.ray(pixel));
+                return (Some(t), open);
+            }
+        }
+        (None, open)
+    }
+
+    /// Whether a pixel shows a caster; and whether that is open.
     fn is_caster(&self, pixel: usize, point: DVec3) -> (bool, bool) {
-        match (self.given.ids, self.seen[pixel]) {
-            (Some((ids, _, none, _)), _) => (ids[pixel] != none, false),
-            (None, Some(t)) => self.shows(t, point, self.ray(pixel), 1.0),
-            (None, None) => (false, false),
+        match self.given.ids {
+            Some((ids, _, none, _)) => (ids[pixel] != none, false),
+            None => {
+                let (caster, open) = self.caster(pixel, point);
+                (caster.is_some(), open)
+            }
         }
     }
 

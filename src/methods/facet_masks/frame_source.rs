@@ -4,6 +4,7 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::{Buffer, Recorder};
 use crate::methods::every_surface::SampleIds;
+use crate::stages::surface_receivers::GivenSurfaces;
 
 /// The part of an image that a frame is: as many rows as its settings say, all as wide as the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,9 @@ pub enum FacetSource<'a> {
     /// With one facet a pixel: records what writes [`FacetMasks::id_keys`](super::FacetMasks::id_keys) in place of the stage `camera_visibility`. It is
     /// given the frame.
     Centres(&'a dyn Fn(&mut Recorder, &Buffer<Frame>) -> Result<()>),
+    /// With a facet for every surface: records what writes the triangle of each pixel, as `Centres` does but into [`GivenSurfaces::keys`]. Casters are
+    /// searched for beside it. The pipelines must be [those with receivers](super::Pipelines::with_receivers).
+    Receivers(&'a dyn Fn(&mut Recorder, &Buffer<Frame>) -> Result<()>, GivenSurfaces<'a>),
     /// With a facet for every surface: a G-buffer of several samples a pixel. The frames must have [`Frame::BEYOND`](crate::frame::Frame::BEYOND) set.
     Samples(&'a SampleIds<'a>),
     /// The frame before found them, of the same camera, casters and G-buffer, and kept them ([`FacetMasks::keep_found`](super::FacetMasks::keep_found)): this one

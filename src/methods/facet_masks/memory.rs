@@ -1,13 +1,13 @@
 //! The memory of a frame of `facet-masks`: every buffer, how the lists are sized, what the status words say.
 
-use super::{PairVariant, Settings};
+use super::{PairVariant, Pipelines, Settings};
 use crate::Result;
 use crate::frame::{Frame, sample_words};
 use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, triangle_texel_pairs, visibility_masks};
 use crate::gpu::{Buffer, Profile};
 use crate::mask_table::mask_table;
 use crate::methods::geometry::Geometry;
-use crate::methods::light_maps::{LightMapPipelines, LightMaps};
+use crate::methods::light_maps::LightMaps;
 use crate::methods::prepared::CasterBuffers;
 use crate::pixel_filter::PixelFilter;
 use crate::stages::candidate_pairs::tally;
@@ -126,10 +126,11 @@ impl Memory {
         queue: &wgpu::Queue,
         casters: &CasterBuffers,
         settings: &Settings,
-        with: &LightMapPipelines,
+        with: &Pipelines,
         capacities: Capacities,
     ) -> Result<Self> {
         let (pixels, map, words) = (settings.pixels(), settings.map as usize, settings.samples.words() as usize);
+        let receivers = if with.take_receivers() { pixels } else { 0 };
         let PairMemory { lists, unsorted } = PairMemory::new(device, settings, capacities)?;
         let FacetMemory { facets, offsets, scan_scratch } =
             FacetMemory::new(device, settings, map * map, capacities.facets)?;
@@ -141,8 +142,8 @@ impl Memory {
             samples,
             table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
-            geometry: Geometry::new(device, queue, casters, pixels, map)?,
-            maps: LightMaps::new(device, queue, with, casters.edges.len(), map)?,
+            geometry: Geometry::new(device, queue, (casters, receivers), pixels, map)?,
+            maps: LightMaps::new(device, queue, &with.light_maps, casters.edges.len(), map)?,
             facets,
             facet_offsets: offsets,
             lists,

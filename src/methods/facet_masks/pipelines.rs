@@ -90,7 +90,7 @@ impl Pipelines {
             lines_by: settings.projection,
             filter_by: settings.filter,
             alpha,
-            surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count(), alpha)),
+            surfaces: clamp.then(|| SurfacePipelines::new(device, &scan, settings.samples.count(), [alpha, receivers])),
             geometry: GeometryPipelines::new(device, alpha, settings.tells_depths()),
             light_maps: LightMapPipelines::new(device, &scan),
             requests: RequestedBlocks::specialised(device, clamp, receivers),
@@ -115,6 +115,11 @@ impl Pipelines {
             scan,
             fold: DispatchArgs::new(device),
         }
+    }
+
+    /// Whether pixels may show, with a facet for every surface, what casts nothing.
+    pub fn take_receivers(&self) -> bool {
+        self.surfaces.as_ref().is_some_and(SurfacePipelines::takes_receivers)
     }
 
     /// Whether they serve `settings`.
