@@ -49,7 +49,7 @@ fn outline_of(t: u32) -> Outline {
     var o: Outline;
     o.word = i.w;
     o.card = Card(point_of(i.x), point_of(i.y), point_of(i.z), mapped_ahead());
-    o.normal = normal / largest(normal);
+    o.normal = select(vec3(0.0), normal / largest(normal), largest(normal) > 0.0);
     o.corner = point_of(i.x);
     o.edges[0] = cross(o.corner, edge_of(i.x, i.y));
     o.edges[1] = cross(point_of(i.y), edge_of(i.y, i.z));
@@ -58,12 +58,13 @@ fn outline_of(t: u32) -> Outline {
 }
 
 // Whether a surface is that of a caster: on its plane and, seen from the eye, in it, give or take `reach`
-// pixels, and not in a hole. Of a normal that is no number it is not.
+// pixels, and not in a hole. A caster without a normal has none.
 fn shows(o: Outline, p: Place, ray: vec3<f32>, reach: f32) -> bool {
     let off = abs(dot(o.normal, p.point - o.corner));
     // Positions are as exact as their coordinates are large.
     let rounded = select(0.0, 4e-7 * largest(p.world) * frame.eye.w, (params.given & GIVEN_POSITIONS) != 0u);
-    if !(off <= (params.tolerance * p.depth + rounded) * length(o.normal)) { return false; }
+    let most = (params.tolerance * p.depth + rounded) * length(o.normal);
+    if off > most || largest(o.normal) == 0.0 { return false; }
     var ahead = true;
     var behind = true;
     for (var k = 0u; k < 3u; k++) {

@@ -22,7 +22,7 @@ use crate::gpu::kernels::surface_receivers as kernel;
 pub use crate::gpu::kernels::surface_receivers::WORKGROUP;
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 
-/// What pixels show by an application's textures.
+/// Content of pixels by an application's textures.
 #[derive(Clone, Copy, Debug)]
 pub struct GivenSurfaces<'a> {
     /// Contents of the textures, as `pixel_receivers` has them.

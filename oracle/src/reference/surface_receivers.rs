@@ -12,7 +12,7 @@ pub enum ShownSurface {
     Unknown,
     /// A caster at a place in the frame.
     Caster(DVec3),
-    /// What casts nothing, at a place in the frame on the plane of three others.
+    /// A surface that casts nothing, at a place in the frame on the plane of three others.
     Receiver(DVec3, [DVec3; 3]),
 }
 
@@ -30,9 +30,9 @@ const ROUNDING: f64 = 2e-6;
 pub struct ReceiverImage<'a> {
     /// The frame.
     pub view: &'a View,
-    /// What pixels show.
+    /// Content of each pixel.
     pub shown: &'a [ShownSurface],
-    /// What share of a view depth one surface may be before another.
+    /// Share of a view depth by which one surface may be before another.
     pub tolerance: f64,
 }
 
