@@ -53,11 +53,17 @@ pub fn configuration() -> WgpuConfiguration {
     WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..Default::default() }
 }
 
+#[cfg(not(target_family = "wasm"))]
+const TYPEFACE: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
+/// The letters of it that `build.rs` keeps for a page.
+#[cfg(target_family = "wasm")]
+const TYPEFACE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/typeface.ttf"));
+
 /// The one typeface of the viewer: egui's others would be read over the net for nothing.
 fn fonts() -> egui::FontDefinitions {
     let mut fonts = egui::FontDefinitions::empty();
     let name = "Ubuntu-Light";
-    fonts.font_data.insert(name.to_owned(), Arc::new(egui::FontData::from_static(epaint_default_fonts::UBUNTU_LIGHT)));
+    fonts.font_data.insert(name.to_owned(), Arc::new(egui::FontData::from_static(TYPEFACE)));
     for family in [egui::FontFamily::Proportional, egui::FontFamily::Monospace] {
         fonts.families.insert(family, vec![name.to_owned()]);
     }
