@@ -1,10 +1,10 @@
 //! A half of the picture: one method's pass, made in the background, and the last of its frames that was complete.
 
+use crate::level::Moment;
 use crate::making::{Making, Wanted};
 use crate::picture::{Shown, counts, extent, unknown_visibility, visibility};
 use lab::options::PartitionBy;
 use lab::options::RenderOptions;
-use lab::scene::{Camera, Light};
 use std::time::Duration;
 use subpixel_shadows::gpu::KeptPrograms;
 use subpixel_shadows::pass::{FrameStatus, Inputs, Target, UploadedCasters};
@@ -57,7 +57,9 @@ pub struct Half {
     /// Radius and points of the light.
     area: (f64, u32),
     /// Frames of one moment that make its picture, more than one where frames keep a history.
-    pub frames: u32,
+    frames: u32,
+    /// The moment of the last frame that was begun, and how many were of it.
+    begun: Option<(Moment, u32)>,
     /// The numbers of the first and the last frame that run, a frame a point of the light.
     waits_for: Option<[u64; 2]>,
     /// Whether one of them was not complete.
@@ -94,6 +96,7 @@ impl Half {
             bytes: 0,
             area,
             frames,
+            begun: None,
             waits_for: None,
             lacks: false,
             tries: 0,
@@ -134,13 +137,21 @@ impl Half {
         matches!(self.pass, Pass::Refused)
     }
 
-    /// Records a frame and submits it.
-    pub fn begin(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
-        self.tries = 0;
-        self.submit(gpu, camera, light);
+    /// Whether its picture of this moment lacks frames. A moment that failed is not tried again.
+    pub fn wants(&self, moment: &Moment) -> bool {
+        let begun = self.begun.filter(|(of, _)| of == moment);
+        begun.is_none_or(|(_, frames)| frames < self.frames && self.error.is_none())
     }
 
-    fn submit(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) {
+    /// Records a frame and submits it.
+    pub fn begin(&mut self, gpu: &Gpu, moment: &Moment) {
+        let before = self.begun.filter(|(of, _)| of == moment).map_or(0, |(_, frames)| frames);
+        self.begun = Some((*moment, before + 1));
+        self.tries = 0;
+        self.submit(gpu, moment);
+    }
+
+    fn submit(&mut self, gpu: &Gpu, Moment { camera, light }: &Moment) {
         let Pass::Made(pass) = &mut self.pass else { return };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let counts = self.counts.as_ref().map(|[work, _]| work);
@@ -170,7 +181,7 @@ impl Half {
     }
 
     /// Looks whether the frame has run, and begins it again if a list was too short. Whether there is nothing to wait for.
-    pub fn is_done(&mut self, gpu: &Gpu, camera: &Camera, light: &Light) -> bool {
+    pub fn is_done(&mut self, gpu: &Gpu, moment: &Moment) -> bool {
         let Pass::Made(pass) = &mut self.pass else { return true };
         let Some([first, last]) = self.waits_for else { return true };
         while let Some(status) = pass.status() {
@@ -189,7 +200,7 @@ impl Half {
                 self.error = Some(error);
                 return true;
             }
-            self.submit(gpu, camera, light);
+            self.submit(gpu, moment);
             return self.waits_for.is_none();
         }
         false

@@ -30,12 +30,6 @@ pub struct Level {
     pub shown: Option<Moment>,
     /// Halves that have such a frame, from the left.
     pub halves_shown: usize,
-    /// The last moment that halves were drawn of while others were still made, and how many from the left.
-    in_part: Option<(Moment, usize)>,
-    /// The last moment that was tried: one that failed is not tried again.
-    tried: Option<Moment>,
-    /// Frames of it that ran.
-    ran: u32,
     /// Seconds from the submission of a moment until it was shown.
     pub seconds: Option<f64>,
     /// Traced truth, where the right half is that.
@@ -71,9 +65,6 @@ impl Level {
             picture,
             shown: None,
             halves_shown: 0,
-            in_part: None,
-            tried: None,
-            ran: 0,
             seconds: None,
             tracing: None,
             traced: None,
@@ -87,30 +78,17 @@ impl Level {
     /// Whether the picture is of this moment, and nothing of it is still computed.
     pub fn is_of(&self, moment: &Moment) -> bool {
         let traced = self.tracing.as_ref().is_some_and(|tracing| tracing.share() == 1.0);
-        self.shown == Some(*moment) && self.ran >= self.frames() && (traced || self.halves.len() > 1)
-    }
-
-    /// Halves from the left that were drawn of this moment while others were still made.
-    fn drawn_in_part(&self, moment: &Moment) -> usize {
-        self.in_part.filter(|(of, _)| of == moment).map_or(0, |(_, halves)| halves)
-    }
-
-    /// Frames of one moment that make the picture of both halves.
-    fn frames(&self) -> u32 {
-        self.halves.iter().map(|half| half.frames).max().unwrap_or(1)
+        self.shown == Some(*moment)
+            && !self.halves.iter().any(|half| half.wants(moment))
+            && (traced || self.halves.len() > 1)
     }
 
     /// Whether this moment was tried and has no picture, or none can be made.
     pub fn has_failed(&self, moment: &Moment) -> bool {
         let failed = self.halves.iter().any(|half| half.error.is_some());
-        let refused = self.halves.iter().position(Half::is_refused);
-        let tried = match refused {
-            Some(0) => true,
-            // The left half is shown alone.
-            Some(_) => self.drawn_in_part(moment) > 0,
-            None => self.tried == Some(*moment),
-        };
-        failed && !self.is_busy() && tried
+        // Halves left of one that is refused are shown alone.
+        let refused = self.halves.iter().position(Half::is_refused).unwrap_or(self.halves.len());
+        failed && !self.is_busy() && self.halves[..refused].iter().all(|half| !half.wants(moment))
     }
 
     /// Whether frames run, or passes are made.
@@ -151,18 +129,12 @@ impl Level {
     pub fn advance(&mut self, gpu: &Gpu, wanted: &Moment, now: f64) -> bool {
         let (made, all) = (self.make(gpu), self.halves.len());
         if let Some((moment, since, running)) = self.running {
-            let (halves, Moment { camera, light }) = (&mut self.halves[..running], moment);
-            let run = |half: &mut Half| (!half.is_done(gpu, &camera, &light)).then_some(());
+            let halves = &mut self.halves[..running];
+            let run = |half: &mut Half| (!half.is_done(gpu, &moment)).then_some(());
             if halves.iter_mut().filter_map(run).count() > 0 {
                 return false;
             }
             self.running = None;
-            if running < all {
-                self.in_part = Some((moment, running));
-            } else {
-                self.ran = if self.tried == Some(moment) { self.ran + 1 } else { 1 };
-                self.tried = Some(moment);
-            }
             // Of a moment that failed in either half the last picture of both stays.
             if halves.iter().any(|half| half.error.is_some()) {
                 return false;
@@ -174,21 +146,9 @@ impl Level {
             self.seconds = (running == all).then_some(now - since);
             return true;
         }
-        let failed = self.halves.iter().any(|half| half.error.is_some());
-        let ran = if self.tried == Some(*wanted) { self.ran } else { 0 };
-        let begins = match made {
-            0 => false,
-            made if made < all => self.drawn_in_part(wanted) == 0,
-            _ => ran == 0 || ran < self.frames() && !failed,
-        };
-        if begins {
-            // Halves that were drawn in part have one frame of this moment.
-            let there = if made == all { self.drawn_in_part(wanted) } else { 0 };
-            for (k, half) in self.halves[..made].iter_mut().enumerate() {
-                if ran + u32::from(k < there) < half.frames {
-                    half.begin(gpu, &wanted.camera, &wanted.light);
-                }
-            }
+        let mut wanting = self.halves[..made].iter_mut().filter(|half| half.wants(wanted)).peekable();
+        if wanting.peek().is_some() {
+            wanting.for_each(|half| half.begin(gpu, wanted));
             self.running = Some((*wanted, now, made));
         }
         false

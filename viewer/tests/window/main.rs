@@ -236,6 +236,22 @@ fn a_moment_that_fails_leaves_the_picture() {
     assert_eq!((window.viewer.complaint(), differing(&window.colours(), &before)), (None, 0));
 }
 
+/// A moment that comes back is drawn again, also by a half that was drawn alone of it before the other one was made.
+#[gpu_test]
+fn a_moment_comes_back() {
+    let mut window = Window::new("spheres --method shadow-map --samples 8 --map 64 --against '--samples 8 --map 64'");
+    // Most often the left half, of few kernels, is drawn first.
+    window.settle();
+    let home = [0, 1].map(|half| window.visibility(half));
+    window.drag(PointerButton::Primary, [0.3, 0.5], [0.4, 0.5]);
+    window.settle();
+    assert!(differing(&window.visibility(0), &home[0]) > 500);
+    window.frame(vec![key(Key::R, true)]);
+    window.frame(vec![key(Key::R, false)]);
+    window.settle();
+    assert_eq!([0, 1].map(|half| differing(&window.visibility(half), &home[half])), [0; 2]);
+}
+
 /// A half whose pass is made is shown and follows the camera while the other has none; of that no pixel is known.
 #[gpu_test]
 fn a_half_is_shown_alone() {
