@@ -16,16 +16,13 @@
 // level in thirds that is asked for by a pixel whose box touches it. `spread` marks all pages of each cell
 // at its level, and `fit` writes to `levels` the finest level of the cells that a pixel touches.
 
-//@import frame dispatch receiver map_footprint page_tree divide summed_area
+//@import frame dispatch receiver map_footprint page_asked page_tree summed_area
 
 const WORKGROUP = 64u;
 const REQUEST_HEAD = 32u;
-const THIRDS = 3u;            // of a level: steps by which all are made coarser
 const TABLE_TAIL = 2u;         // words of `table` behind the nodes before those that `choose` writes
 const MOST_CELLS = 5u;         // level whose pages are cells, where there are finer ones
-const SLACK = 0.5;             // texels: whoever reads places samples anew and may round otherwise
 
-override FINER: u32 = 0u;
 override FITTED: u32 = 0u;
 override EDGES: u32 = 0u;
 override BUDGET: u32 = 64u;
@@ -63,32 +60,11 @@ fn ask(level: u32, page: vec2<u32>, more: u32) {
     }
 }
 
-// The level that a pixel asks for whose step is the root of `square` texels of level PAGE_BASE, and its box
-// `extent` of them long, of a divisor `w`; in thirds.
-fn level_for(square: f32, extent: f32, w: f32) -> i32 {
-    let matched = i32(THIRDS * (PAGE_BASE + FINER)) + i32(ceil(clamp(-1.5 * log2(square), -99.0, 99.0)));
-    // Half a texel of it is above the rounding of a place.
-    let told = min(exponent_of(0.5 * w / place_noise()), i32(PAGE_SHIFT) - 1 - exponent_of(extent));
-    return clamp(min(matched, i32(THIRDS) * (i32(PAGE_BASE) + told)), 0, i32(THIRDS * PAGE_LAST));
-}
-
 // The level whose pages are cells.
 fn cell_level() -> u32 { return min(MOST_CELLS, PAGE_LAST); }
 
 fn cell_word(cell: vec2<u32>) -> u32 {
     return REQUEST_HEAD + finest_side() * tree_width() + (cell.y << cell_level()) + cell.x;
-}
-
-struct Touched { first: vec2<u32>, last: vec2<u32>, some: bool }
-
-// The pages of a level that a box of places on the map touches.
-fn pages_touched(level: u32, low: vec2<f32>, high: vec2<f32>) -> Touched {
-    let side = f32(frame.map_size);
-    let scale = scale_of(level);
-    let end = vec2(ceil(side * scale) - 1.0);
-    return Touched(vec2<u32>(clamp(low * scale - SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT),
-        vec2<u32>(clamp(high * scale + SLACK, vec2(0.0), end)) >> vec2(PAGE_SHIFT),
-        all(high >= vec2(0.0)) && all(low < vec2(side)));
 }
 
 // Whether a box of places on the map comes near a silhouette.
@@ -109,15 +85,12 @@ fn request(
     levels[pixel] = 0u;
     let f = map_footprint(pixel);
     if !f.some { return; }
-    let square = max(dot(f.right, f.right), dot(f.down, f.down));
-    let low = f.low;
-    let high = f.high;
-    let extent = max(high.x - low.x, high.y - low.y);
-    var thirds = u32(level_for(square, extent, f.w));
-    if EDGES != 0u && thirds > THIRDS * PAGE_BASE && !is_at_edge(low, high) { thirds = THIRDS * PAGE_BASE; }
+    var thirds = level_for(f);
+    let at_edge = EDGES == 0u || thirds <= THIRDS * PAGE_BASE || is_at_edge(f.low, f.high);
+    if !at_edge { thirds = THIRDS * PAGE_BASE; }
     levels[pixel] = thirds;
     let level = (thirds + THIRDS - 1u) / THIRDS;
-    let touched = pages_touched(select(level, cell_level(), FITTED != 0u), low, high);
+    let touched = pages_touched(select(level, cell_level(), FITTED != 0u), f.low, f.high);
     if !touched.some { return; }
     for (var y = touched.first.y; y <= touched.last.y; y++) {
         for (var x = touched.first.x; x <= touched.last.x; x++) {
@@ -149,18 +122,6 @@ fn fit(
         }
     }
     levels[pixel] = max(finest, 1u) - 1u;
-}
-
-struct Node { level: u32, page: vec2<u32>, some: bool }
-
-// The page of a node. Beside a level, and in the last row, the grid has nodes that are none.
-fn page_of(node: u32) -> Node {
-    let side = finest_side();
-    let at = divided(node, tree_width()).yx;
-    var level = PAGE_LAST;
-    if at.x >= side { level = firstLeadingBit(max(side - at.y - 1u, 1u)); }
-    let page = at - tree_corner(level);
-    return Node(level, page, all(page < vec2(1u << level)));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -300,7 +300,7 @@ fn every_kernel_has_its_room() {
 }
 
 /// Stages without a list that may run over: they prove more items than one dimension of a dispatch holds in place of it.
-const WITHOUT_A_LIST: [&str; 26] = [
+const WITHOUT_A_LIST: [&str; 27] = [
     "axis_density",
     "compared_depths",
     "deep_map",
@@ -313,6 +313,7 @@ const WITHOUT_A_LIST: [&str; 26] = [
     "moment_shadows",
     "page_casters",
     "page_query",
+    "page_refinement",
     "page_requests",
     "paraboloid_casters",
     "pixel_views",

@@ -33,6 +33,7 @@ mod map_moments;
 mod moment_shadows;
 mod page_casters;
 mod page_query;
+mod page_refinement;
 mod page_requests;
 mod paraboloid_casters;
 mod pixel_counts;
@@ -114,6 +115,7 @@ fn run(options: &Options) -> Result<()> {
         page_requests::cases,
         page_casters::cases,
         page_query::cases,
+        page_refinement::cases,
         axis_density::cases,
         warped_casters::cases,
         warped_query::cases,

@@ -13,7 +13,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let (tree, budget) = (PageTree::new(MAP), 1024);
     let requests =
         PageRequests::new(&gpu.device, PageRequestsOptions { tree, budget, finer: 0, rule: PageRule::Matched })?;
-    let nodes = PageNodes::new(&gpu.device, &requests, tree, setup.id_keys.len())?;
+    let nodes = PageNodes::new(&gpu.device, requests.numbers(), tree, setup.id_keys.len())?;
     let triangles = setup.casters.triangles.len();
     let texels = PageTexels::new(&gpu.device, &gpu.queue, triangles, budget)?;
     let stage = PageCasters::new(&gpu.device, tree, budget, false);

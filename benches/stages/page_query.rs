@@ -15,7 +15,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let requests =
         PageRequests::new(&gpu.device, PageRequestsOptions { tree, budget, finer: 0, rule: PageRule::Matched })?;
     let count = setup.id_keys.len();
-    let nodes = PageNodes::new(&gpu.device, &requests, tree, count)?;
+    let nodes = PageNodes::new(&gpu.device, requests.numbers(), tree, count)?;
     let triangles = setup.casters.triangles.len();
     let texels = PageTexels::new(&gpu.device, &gpu.queue, triangles, budget)?;
     let visibility = Buffer::<f32>::storage(&gpu.device, "bench.visibility", count)?;

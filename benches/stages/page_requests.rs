@@ -14,7 +14,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         let options = PageRequestsOptions { tree: PageTree::new(MAP), budget: 1024, finer: 0, rule: PageRule::Matched };
         let stage = PageRequests::new(&gpu.device, options)?;
         let count = setup.id_keys.len();
-        let nodes = PageNodes::new(&gpu.device, &stage, options.tree, count)?;
+        let nodes = PageNodes::new(&gpu.device, stage.numbers(), options.tree, count)?;
         let all = options.tree.nodes();
         cases.push(Case {
             name: format!("page_requests {}", if choose { "choose" } else { "request" }),

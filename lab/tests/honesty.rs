@@ -70,7 +70,7 @@ fn other_value(option: &str) -> &'static str {
         "grazing" | "pages" => "20",
         "exponent" | "sub-texels" => "8",
         "filter" => "tent",
-        "layers" | "finer" | "stretch" | "confidence-power" => "2",
+        "layers" | "finer" | "stretch" | "confidence-power" | "changed" => "2",
         _ => panic!("--{option} is new: give it a value here"),
     }
 }
@@ -430,7 +430,8 @@ mod gpu {
             "confidence-power" => s.history = s.history.map(|history| HistorySettings { power: 1, ..history }),
             "pages" => s.pages.pages = Some(1),
             "finer" => s.pages.finer = 2,
-            "page-rule" => s.pages.rule = PageRule::Fitted,
+            "page-rule" => s.pages.rule = PageRule::Queried,
+            "changed" => s.pages.changed = 20,
             "density" => s.axes.density = DensityRule::Logarithmic,
             "stretch" => s.axes.stretch = 2,
             "memory-limit" | "list-start" | "looks" => return None, // of memory, and of what is written
@@ -443,8 +444,7 @@ mod gpu {
     #[gpu_test]
     fn the_table_of_options_is_true() {
         let gpu = Gpu::open(None).expect("a GPU");
-        // Of a light at a point slices have no warp.
-        let sun = Light::Directional { direction: [0.4, 1.0, 0.3] };
+        let sun = Light::Directional { direction: [0.4, 1.0, 0.3] }; // of one at a point slices have no warp
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
         let prepared = scene.prepared().expect("a sound mesh");
         let mut default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
@@ -460,10 +460,9 @@ mod gpu {
             };
             let (mut others, mut own) = (default.clone(), Vec::new());
             for option in METHOD_OPTIONS {
-                if method.takes(option) {
-                    own.push(option);
-                } else {
-                    others = with(method, option, &others).unwrap_or(others);
+                match method.takes(option) {
+                    true => own.push(option),
+                    false => others = with(method, option, &others).unwrap_or(others),
                 }
             }
             let plain = of(&default, &scene.light);
@@ -477,6 +476,7 @@ mod gpu {
                     "confidence-power" => with(method, "history", &default),
                     "focus" | "partition" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     "radius" | "turned" => with(method, "taps", &default),
+                    "changed" => with(method, "page-rule", &default),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {

@@ -992,6 +992,73 @@ pub mod page_query {
     }
 }
 
+/// `kernels/page_refinement.wgsl`.
+pub mod page_refinement {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/facet/map_footprint", "shared/raster/page_tree", "shared/facet/page_asked", "shared/frame/pass",
+        "page_refinement",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
+        FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0,
+        SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, THIRDS = 3, WORKGROUP = 64,
+        CLASSES = 128,
+    }
+    overrides! {
+        paraboloids: u32 = 1, "PARABOLOIDS",
+        page_base: u32 = 3, "PAGE_BASE",
+        page_last: u32 = 8, "PAGE_LAST",
+        finer: u32 = 0, "FINER",
+        first: u32 = 0, "FIRST",
+        changed: u32 = 1, "CHANGED",
+        budget: u32 = 64, "BUDGET",
+        bias_constant: f32 = 2e-5, "BIAS_CONSTANT",
+        bias_slope: f32 = 1.0, "BIAS_SLOPE",
+    }
+    entry_point! { "page_refinement", "ask", [64, 1, 1], SOURCE, Constants => Ask, AskProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        3 id_keys: Read<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 points: Read<'a, [f32; 4]>,
+        6 requests: Write<'a, u32>,
+        7 levels: Write<'a, u32>,
+        8 changes: Write<'a, u32>,
+    } }
+    entry_point! { "page_refinement", "choose", [64, 1, 1], SOURCE, Constants => Choose, ChooseProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        2 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        6 requests: Write<'a, u32>,
+        9 flags: Write<'a, u32>,
+        10 masks: Write<'a, u32>,
+        11 totals: Write<'a, u32>,
+    } }
+    entry_point! { "page_refinement", "compare", [64, 1, 1], SOURCE, Constants => Compare, CompareProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 samples: Uniform<'a, [f32; 4]>,
+        2 step: Uniform<'a, crate::stages::camera_visibility::Pass>,
+        3 id_keys: Read<'a, u32>,
+        4 triangles: Read<'a, [u32; 4]>,
+        5 points: Read<'a, [f32; 4]>,
+        7 levels: Write<'a, u32>,
+        8 changes: Write<'a, u32>,
+        12 table: Read<'a, u32>,
+        13 pages: Read<'a, u32>,
+        14 visibility: Write<'a, f32>,
+    } }
+    entries! {
+        Ask, Choose, Compare,
+    }
+}
+
 /// `kernels/page_requests.wgsl`.
 pub mod page_requests {
     use crate::entry_point;
@@ -1000,7 +1067,8 @@ pub mod page_requests {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
         "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/map_footprint", "shared/raster/page_tree", "shared/raster/summed_area", "page_requests",
+        "shared/facet/map_footprint", "shared/raster/page_tree", "shared/facet/page_asked",
+        "shared/raster/summed_area", "page_requests",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1008,8 +1076,8 @@ pub mod page_requests {
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0,
-        SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
-        REQUEST_HEAD = 32, THIRDS = 3, TABLE_TAIL = 2, MOST_CELLS = 5,
+        SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, THIRDS = 3, WORKGROUP = 64,
+        REQUEST_HEAD = 32, TABLE_TAIL = 2, MOST_CELLS = 5,
     }
     overrides! {
         paraboloids: u32 = 1, "PARABOLOIDS",
@@ -3276,6 +3344,7 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("moment_shadows", moment_shadows::SOURCE, moment_shadows::ENTRIES),
     ("page_casters", page_casters::SOURCE, page_casters::ENTRIES),
     ("page_query", page_query::SOURCE, page_query::ENTRIES),
+    ("page_refinement", page_refinement::SOURCE, page_refinement::ENTRIES),
     ("page_requests", page_requests::SOURCE, page_requests::ENTRIES),
     ("paraboloid_casters", paraboloid_casters::SOURCE, paraboloid_casters::ENTRIES),
     ("pixel_counts", pixel_counts::SOURCE, pixel_counts::ENTRIES),

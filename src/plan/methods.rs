@@ -76,6 +76,10 @@ const PAGE_STAGES: [(&str, &str); 3] = [
     ("page_query", "depth of every sample against the page of its level"),
 ];
 
+/// The stage that takes their place where pages are made by what they change.
+const PAGE_ROUNDS: [(&str, &str); 1] =
+    [("page_refinement", "levels of pages, one after the other, while they change pixels")];
+
 /// Stages of `rectilinear` after what the camera sees.
 const AXIS_STAGES: [(&str, &str); 3] = [
     ("axis_density", "how wide the texels of either axis of the map are, by what pixels ask"),
@@ -133,6 +137,7 @@ impl Plan {
             TexelQuery::Map(MapQuery::Nearest | MapQuery::Filtered) => &SHADOW_MAP_STAGES,
             TexelQuery::Map(MapQuery::Revectorized) => &SMSR_STAGES,
             TexelQuery::Map(_) => &MOMENT_STAGES,
+            TexelQuery::Pages if wanted.pages.rule == PageRule::Queried => &PAGE_ROUNDS,
             TexelQuery::Pages => &PAGE_STAGES,
             TexelQuery::Axes => &AXIS_STAGES,
             TexelQuery::Rays => &RAY_STAGES,

@@ -111,7 +111,7 @@ impl PageNodes {
     ///
     /// # Errors
     /// As [`Buffer::storage`].
-    pub fn new(device: &wgpu::Device, with: &PageRequests, tree: PageTree, pixels: usize) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, with: &PageNumbers, tree: PageTree, pixels: usize) -> Result<Self> {
         let ([width, height], nodes) = (tree.grid(), tree.nodes());
         Ok(Self {
             tree,
@@ -141,6 +141,30 @@ impl PageNodes {
     }
 }
 
+/// Pipelines that number the pages that are made, and count those of a box of the grid.
+#[derive(Debug)]
+pub struct PageNumbers {
+    scan: PrefixScan,
+    summed_area: SummedArea,
+}
+
+impl PageNumbers {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { scan: PrefixScan::new(device), summed_area: SummedArea::new(device, Texels::Words) }
+    }
+
+    /// Records scan and summed-area table of [`PageNodes::flags`].
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device has no memory for parameters.
+    pub fn record(&self, stage: &mut Stage, nodes: &PageNodes) -> Result<()> {
+        let (flags, table, count) = (&nodes.flags, &nodes.table, nodes.tree.nodes());
+        self.scan.record(stage, flags, table, (table, count), &nodes.scan_scratch, Count::Exactly(count))?;
+        self.summed_area.record(stage, flags, &nodes.sat, &nodes.sat_scratch)
+    }
+}
+
 /// Settings that the pipelines are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageRequestsOptions {
@@ -165,6 +189,9 @@ pub enum PageRule {
     Edges,
     /// All of a cell of the view, at the finest level that a pixel in it asks for: fitted virtual shadow maps (Giegl, Wimmer 2007).
     Fitted,
+    /// A level finer, from a whole coarse map on, wherever that changes what pixels see, no finer than they ask for by `Matched`: queried virtual
+    /// shadow maps (Giegl, Wimmer 2007), by [`page_refinement`](super::page_refinement).
+    Queried,
 }
 
 /// The pipelines.
@@ -176,8 +203,7 @@ pub struct PageRequests {
     /// Bound where no table is given.
     no_sat: Buffer<u32>,
     choose: kernel::ChooseProgram,
-    scan: PrefixScan,
-    summed_area: SummedArea,
+    numbers: PageNumbers,
 }
 
 impl PageRequests {
@@ -187,6 +213,9 @@ impl PageRequests {
     /// [`Error::Config`] for a budget that no memory holds.
     pub fn new(device: &wgpu::Device, options: PageRequestsOptions) -> Result<Self> {
         let PageRequestsOptions { tree, budget, finer, rule } = options;
+        if rule == PageRule::Queried {
+            return Err(Error::Config("page_requests: pages by what changes are those of page_refinement".to_owned()));
+        }
         let fitted = rule == PageRule::Fitted;
         let no_sat = Buffer::storage(device, "page_requests.no_sat", 1)?;
         let most = PageTree::MOST_PAGES;
@@ -208,9 +237,13 @@ impl PageRequests {
             cells: fitted.then(cells),
             no_sat,
             choose: kernel::ChooseProgram::new(device, constants),
-            scan: PrefixScan::new(device),
-            summed_area: SummedArea::new(device, Texels::Words),
+            numbers: PageNumbers::new(device),
         })
+    }
+
+    /// What numbers the pages.
+    pub fn numbers(&self) -> &PageNumbers {
+        &self.numbers
     }
 
     /// Records which pages the pixels ask for. [`PageNodes::requests`] must be 0 before; `sat` is the summed-area table of the map's marks, which
@@ -258,8 +291,6 @@ impl PageRequests {
             table: nodes.table.as_write(),
         };
         stage.run(&self.choose, bindings, Groups::Items(count as u64));
-        let (flags, table) = (&nodes.flags, &nodes.table);
-        self.scan.record(stage, flags, table, (table, count), &nodes.scan_scratch, Count::Exactly(count))?;
-        self.summed_area.record(stage, flags, &nodes.sat, &nodes.sat_scratch)
+        self.numbers.record(stage, nodes)
     }
 }

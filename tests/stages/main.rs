@@ -23,6 +23,7 @@ mod map_moments;
 mod moment_shadows;
 mod page_casters;
 mod page_query;
+mod page_refinement;
 mod page_requests;
 mod paraboloid_casters;
 mod pixel_counts;

@@ -1,47 +1,20 @@
 //! Levels that pixels ask for against their footprints in `f64`, pages against the boxes of these, and exactly: which pages are made of those
 //! that are asked for.
 
-use crate::support::pages::{Paged, ten_a_row};
+use crate::support::pages::{Paged, footprint, ten_a_row, thirds_wanted};
 use crate::support::shadow::{
     World, above, camera, looked_down_on as world, random_light, random_scene, samples, sheet,
 };
-use crate::support::spsm::{faces_away, on_plane};
+use crate::support::spsm::faces_away;
 use crate::support::{POISON, Random, gpu, sizes_around};
-use oracle::reference::page_requests::{Asked, THIRDS, cells, chosen, level, levels_around, of_cells, thirds};
+use oracle::reference::page_requests::{Asked, THIRDS, cells, chosen, level, levels_around, of_cells};
 use oracle::reference::prefix_scan::exclusive;
 use oracle::reference::summed_area::table;
 use std::collections::BTreeSet;
-use subpixel_shadows::frame::sample_box;
 use subpixel_shadows::glam::{DVec2, UVec2};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::page_requests::{PageRule, PageTree};
 use test_support::gpu_test;
-
-/// Longer step and box of a pixel, texels of the map; `None` where a corner of its box is not seen, or it is too steep to tell.
-fn footprint(world: &World, pixel: u32, t: u32) -> Option<(f64, [DVec2; 2])> {
-    let at = |x: f64, y: f64| on_plane(world, pixel, t, DVec2::new(x, y)).map(|p| p.truncate());
-    let h = 1.0 / 4096.0;
-    let (right, down) = ((at(h, 0.0)? - at(-h, 0.0)?) / (2.0 * h), (at(0.0, h)? - at(0.0, -h)?) / (2.0 * h));
-    let [low, high] = sample_box(&world.samples).map(|corner| corner.map(f64::from));
-    let mut reached = [DVec2::MAX, DVec2::MIN];
-    for [x, y] in [low, [high[0], low[1]], [low[0], high[1]], high] {
-        reached = [reached[0].min(at(x, y)?), reached[1].max(at(x, y)?)];
-    }
-    Some((right.length().max(down.length()), reached))
-}
-
-/// The finest level, over that of the map, that single precision tells texels of: half of one is above the rounding of a place.
-fn told(world: &World, pixel: u32, t: u32) -> Option<f64> {
-    let [a, b, c] = world.triangles[t as usize].corners?;
-    let normal = (b - a).cross(c - a);
-    let ray = oracle::reference::facet_classify::pixel_ray(&world.view, pixel, DVec2::ZERO);
-    let point = ray * (normal.dot(a) / normal.dot(ray));
-    let map = &world.view.map;
-    let w = map.w.dot(point.extend(1.0));
-    let row = |row: subpixel_shadows::glam::DVec4| 2f64.powi(-20) * row.abs().element_sum();
-    let noise = row(map.u).max(row(map.v)) + row(map.w) * f64::from(map.map_size);
-    Some((0.5 * w / noise).log2())
-}
 
 /// Where the stage departs from its definition; how many pixels' levels were known to one.
 fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
@@ -65,18 +38,10 @@ fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
             }
             continue;
         }
-        let Some((step, [low, high])) = footprint(world, pixel, t) else {
+        let Some(([mut coarsest, mut finest], [low, high])) = thirds_wanted(world, pixel, t, ran.finer, tree) else {
             endless = true;
             continue;
         };
-        let told = told(world, pixel, t).ok_or("no triangle")?;
-        let extent = (high - low).max_element();
-        // Results that rounding may make of them.
-        let of = |more: f64| {
-            let told = (told - more.log2()).floor() as i32;
-            thirds(step * more, extent * more + (more - 1.0) * 0.01, told, ran.finer, tree)
-        };
-        let (mut finest, mut coarsest) = (of(1.0 / 1.02), of(1.02));
         if let Some(edges) = &ran.edges {
             let near = |grow: f64| {
                 let texel = |p: DVec2| p.clamp(DVec2::ZERO, DVec2::splat(size - 1.0)).floor().as_uvec2();

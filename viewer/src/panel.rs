@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use egui::{ComboBox, Id, Rect, Response, Slider, Ui};
-use lab::options::{Compare, Encoding, FacetsPerPixel, OmniBy, PartitionBy, RenderOptions, WarpBy};
+use lab::options::{Compare, Encoding, FacetsPerPixel, OmniBy, PagesBy, PartitionBy, RenderOptions, WarpBy};
 use subpixel_shadows::methods::{MethodName, ShadowMapSettings};
 use subpixel_shadows::pass::FrameStatus;
 
@@ -202,6 +202,9 @@ pub fn options(ui: &mut Ui, half: &str, options: &mut RenderOptions) -> bool {
         options.pages = Some(pages).filter(|pages| *pages > 0);
         changed |= slider(ui, half, "finer", &mut options.finer, 0..=4);
         changed |= words(ui, half, "page-rule", &mut options.page_rule);
+        if options.page_rule == PagesBy::Queried {
+            changed |= slider(ui, half, "changed", &mut options.changed, 1..=256);
+        }
     }
     if takes("density") {
         changed |= words(ui, half, "density", &mut options.density);

@@ -74,6 +74,8 @@ pub enum PagesBy {
     Edges,
     /// All of a cell of the view, as fine as the finest that is asked for in it
     Fitted,
+    /// Finer and finer ones, as long as that changes what pixels see
+    Queried,
 }
 
 impl From<PagesBy> for PageRule {
@@ -82,6 +84,7 @@ impl From<PagesBy> for PageRule {
             PagesBy::Matched => Self::Matched,
             PagesBy::Edges => Self::Edges,
             PagesBy::Fitted => Self::Fitted,
+            PagesBy::Queried => Self::Queried,
         }
     }
 }

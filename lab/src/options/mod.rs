@@ -171,9 +171,12 @@ pub struct RenderOptions {
     /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub finer: u32,
-    /// Rule by which pages of resolution-matched are asked for: by pixels, by those near silhouettes (adaptive shadow maps), or by cells of the view (fitted virtual shadow maps)
+    /// Rule by which pages of resolution-matched are asked for: by pixels, by those near silhouettes (adaptive shadow maps), by cells of the view (fitted virtual shadow maps), or by what finer ones change (queried virtual shadow maps)
     #[arg(long, value_enum, default_value_t, value_name = "BY")]
     pub page_rule: PagesBy,
+    /// Pixels that have to change in a page for a finer one, by `--page-rule queried`
+    #[arg(long, default_value_t = PageSettings::CHANGED, value_name = "N")]
+    pub changed: u32,
     /// Rule for the width of texels along either axis of rectilinear: the pixels that want the most of an axis, or its distance from the eye
     #[arg(long, value_enum, default_value_t, value_name = "BY")]
     pub density: DensityBy,
@@ -332,7 +335,12 @@ impl RenderOptions {
                 layers: self.layers,
                 terms: self.terms,
             },
-            pages: PageSettings { pages: self.pages, finer: self.finer, rule: self.page_rule.into() },
+            pages: PageSettings {
+                pages: self.pages,
+                finer: self.finer,
+                rule: self.page_rule.into(),
+                changed: self.changed,
+            },
             axes: AxisSettings { density: self.density.into(), stretch: self.stretch },
             ray_traced: RayTracedSettings { silhouettes: self.rays == RayChoice::Silhouettes },
             history: self.history(),

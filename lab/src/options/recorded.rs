@@ -82,6 +82,7 @@ impl RenderOptions {
             ("pages", json!(o.pages)),
             ("finer", json!(o.finer)),
             ("page-rule", word(o.page_rule)),
+            ("changed", json!(o.changed)),
             ("density", word(o.density)),
             ("stretch", json!(o.stretch)),
         ];

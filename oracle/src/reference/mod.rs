@@ -23,6 +23,7 @@ pub mod map_moments;
 pub mod moment_shadows;
 pub mod page_casters;
 pub mod page_query;
+pub mod page_refinement;
 pub mod page_requests;
 pub mod paraboloid_casters;
 pub mod pixel_counts;

@@ -1,7 +1,7 @@
 //! Options that rows name.
 
 /// The options of `render` and `explain` that not every method takes; all others are of all methods.
-pub const METHOD_OPTIONS: [&str; 45] = [
+pub const METHOD_OPTIONS: [&str; 46] = [
     "facets",
     "validity",
     "masks",
@@ -44,6 +44,7 @@ pub const METHOD_OPTIONS: [&str; 45] = [
     "pages",
     "finer",
     "page-rule",
+    "changed",
     "density",
     "stretch",
     "looks",

@@ -1,12 +1,14 @@
 //! The three stages of pages, run one after another, and what they left.
 
 use super::shadow::{World, uniform};
-use super::spsm::with_blocks;
+use super::spsm::{on_plane, with_blocks};
 use super::{POISON, run};
-use oracle::reference::page_requests::{Asked, TreePage};
+use oracle::reference::page_requests::{Asked, TreePage, thirds};
 use oracle::reference::summed_area::table;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
+use subpixel_shadows::frame::sample_box;
+use subpixel_shadows::glam::DVec2;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::PrimaryHits;
 use subpixel_shadows::stages::page_casters::{PageCasters, PageTexels};
@@ -64,7 +66,7 @@ impl Paged {
         let seen: Vec<Option<u32>> = world.seen().into_iter().map(|(_, t)| t).collect();
         let keys: Vec<u32> = seen.iter().map(|t| t.map_or(0, |t| !t)).collect();
         let id_keys = Buffer::from_slice(device, queue, "test.ids", &keys).expect("memory");
-        let nodes = PageNodes::new(device, &stage, tree, seen.len()).expect("memory");
+        let nodes = PageNodes::new(device, stage.numbers(), tree, seen.len()).expect("memory");
         for poisoned in [&nodes.levels, &nodes.flags, &nodes.masks, &nodes.sat, &nodes.table] {
             poisoned.write(queue, &vec![POISON; poisoned.len()]);
         }
@@ -141,4 +143,42 @@ impl Paged {
         let of = |&key: &u32| (key != 0).then(|| f64::from(f32::from_bits(!key)));
         self.keys[number as usize * texels..][..texels].iter().map(of).collect()
     }
+}
+
+/// Longer step and box of a pixel, texels of the map; `None` where a corner of its box is not seen, or it is too steep to tell.
+pub fn footprint(world: &World, pixel: u32, t: u32) -> Option<(f64, [DVec2; 2])> {
+    let at = |x: f64, y: f64| on_plane(world, pixel, t, DVec2::new(x, y)).map(|p| p.truncate());
+    let h = 1.0 / 4096.0;
+    let (right, down) = ((at(h, 0.0)? - at(-h, 0.0)?) / (2.0 * h), (at(0.0, h)? - at(0.0, -h)?) / (2.0 * h));
+    let [low, high] = sample_box(&world.samples).map(|corner| corner.map(f64::from));
+    let mut reached = [DVec2::MAX, DVec2::MIN];
+    for [x, y] in [low, [high[0], low[1]], [low[0], high[1]], high] {
+        reached = [reached[0].min(at(x, y)?), reached[1].max(at(x, y)?)];
+    }
+    Some((right.length().max(down.length()), reached))
+}
+
+/// The finest level, over that of the map, that single precision tells texels of: half of one is above the rounding of a place.
+fn told(world: &World, pixel: u32, t: u32) -> Option<f64> {
+    let [a, b, c] = world.triangles[t as usize].corners?;
+    let normal = (b - a).cross(c - a);
+    let ray = oracle::reference::facet_classify::pixel_ray(&world.view, pixel, DVec2::ZERO);
+    let point = ray * (normal.dot(a) / normal.dot(ray));
+    let map = &world.view.map;
+    let w = map.w.dot(point.extend(1.0));
+    let row = |row: subpixel_shadows::glam::DVec4| 2f64.powi(-20) * row.abs().element_sum();
+    let noise = row(map.u).max(row(map.v)) + row(map.w) * f64::from(map.map_size);
+    Some((0.5 * w / noise).log2())
+}
+
+/// The levels, in thirds, that rounding may make a pixel ask for, from the coarsest to the finest, and the box of its samples; `None` where that
+/// has no end.
+pub fn thirds_wanted(world: &World, pixel: u32, t: u32, finer: u32, tree: [u32; 2]) -> Option<([u32; 2], [DVec2; 2])> {
+    let (step, [low, high]) = footprint(world, pixel, t)?;
+    let (told, extent) = (told(world, pixel, t)?, (high - low).max_element());
+    let of = |more: f64| {
+        let told = (told - more.log2()).floor() as i32;
+        thirds(step * more, extent * more + (more - 1.0) * 0.01, told, finer, tree)
+    };
+    Some(([of(1.02), of(1.0 / 1.02)], [low, high]))
 }
