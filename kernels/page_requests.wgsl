@@ -14,7 +14,10 @@
 // With FITTED (fitted virtual shadow maps: Giegl, Wimmer 2007) `request` marks no pages, but cells of the
 // view, which are the pages of one level: a word of each, behind the nodes, is one more than the finest
 // level in thirds that is asked for by a pixel whose box touches it. `spread` marks all pages of each cell
-// at its level, and `fit` writes to `levels` the finest level of the cells that a pixel touches.
+// at its level, and `fit` writes to `levels` the finest level of the cells that a pixel touches. With TILED
+// (tiled shadow maps: Arvo 2004) a cell besides has a weight, in words behind these: a pixel whose box
+// touches it adds 1, or EDGE_WEIGHT if it holds a silhouette, as above; `weigh` sums them up in the last word
+// before the nodes. The level of a cell is that of its share of BUDGET by weight, where that is not finer.
 
 //@import frame dispatch receiver map_footprint page_asked page_tree summed_area
 
@@ -22,8 +25,11 @@ const WORKGROUP = 64u;
 const REQUEST_HEAD = 32u;
 const TABLE_TAIL = 2u;         // words of `table` behind the nodes before those that `choose` writes
 const MOST_CELLS = 5u;         // level whose pages are cells, where there are finer ones
+const WEIGHTS = 31u;           // word of `requests` that holds the sum of the cells' weights
+const EDGE_WEIGHT = 8u;        // of a pixel near a silhouette
 
 override FITTED: u32 = 0u;
+override TILED: u32 = 0u;
 override EDGES: u32 = 0u;
 override BUDGET: u32 = 64u;
 
@@ -67,6 +73,18 @@ fn cell_word(cell: vec2<u32>) -> u32 {
     return REQUEST_HEAD + finest_side() * tree_width() + (cell.y << cell_level()) + cell.x;
 }
 
+fn weight_word(cell: vec2<u32>) -> u32 { return cell_word(cell) + (1u << (2u * cell_level())); }
+
+// One more than the level of a cell, in thirds; 0 if no pixel touches it.
+fn cell_asked(cell: vec2<u32>) -> u32 {
+    let finest = atomicLoad(&requests[cell_word(cell)]);
+    if TILED == 0u || finest == 0u { return finest; }
+    let weight = f32(max(atomicLoad(&requests[weight_word(cell)]), 1u));
+    let share = f32(BUDGET) * weight / f32(max(atomicLoad(&requests[WEIGHTS]), 1u));
+    let thirds = i32(THIRDS * cell_level()) + i32(floor(1.5 * log2(share)));
+    return 1u + u32(clamp(thirds, 0, i32(finest) - 1));
+}
+
 // Whether a box of places on the map comes near a silhouette.
 fn is_at_edge(low: vec2<f32>, high: vec2<f32>) -> bool {
     let end = vec2(f32(frame.map_size) - 1.0);
@@ -86,21 +104,36 @@ fn request(
     let f = map_footprint(pixel);
     if !f.some { return; }
     var thirds = level_for(f);
-    let at_edge = EDGES == 0u || thirds <= THIRDS * PAGE_BASE || is_at_edge(f.low, f.high);
-    if !at_edge { thirds = THIRDS * PAGE_BASE; }
+    let told = (EDGES != 0u && thirds > THIRDS * PAGE_BASE) || TILED != 0u;
+    let at_edge = told && is_at_edge(f.low, f.high);
+    if EDGES != 0u && !at_edge { thirds = min(thirds, THIRDS * PAGE_BASE); }
     levels[pixel] = thirds;
     let level = (thirds + THIRDS - 1u) / THIRDS;
     let touched = pages_touched(select(level, cell_level(), FITTED != 0u), f.low, f.high);
     if !touched.some { return; }
     for (var y = touched.first.y; y <= touched.last.y; y++) {
         for (var x = touched.first.x; x <= touched.last.x; x++) {
+            let page = vec2(x, y);
             if FITTED == 0u {
-                ask(level, vec2(x, y), THIRDS * level - thirds);
-            } else {
-                atomicMax(&requests[cell_word(vec2(x, y))], thirds + 1u);
+                ask(level, page, THIRDS * level - thirds);
+                continue;
             }
+            atomicMax(&requests[cell_word(page)], thirds + 1u);
+            if TILED != 0u { atomicAdd(&requests[weight_word(page)], select(1u, EDGE_WEIGHT, at_edge)); }
         }
     }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn weigh(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let cell = flat_invocation(group, groups, WORKGROUP, local);
+    if cell >= 1u << (2u * cell_level()) { return; }
+    let weight = atomicLoad(&requests[weight_word(vec2(0u)) + cell]);
+    if weight != 0u { atomicAdd(&requests[WEIGHTS], weight); }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -118,7 +151,7 @@ fn fit(
     var finest = 0u;
     for (var y = touched.first.y; y <= touched.last.y; y++) {
         for (var x = touched.first.x; x <= touched.last.x; x++) {
-            finest = max(finest, atomicLoad(&requests[cell_word(vec2(x, y))]));
+            finest = max(finest, cell_asked(vec2(x, y)));
         }
     }
     levels[pixel] = max(finest, 1u) - 1u;
@@ -135,7 +168,7 @@ fn spread(
     let at = page_of(node);
     let cells = cell_level();
     if !at.some || at.level < cells { return; }
-    let asked = atomicLoad(&requests[cell_word(at.page >> vec2(at.level - cells))]);
+    let asked = cell_asked(at.page >> vec2(at.level - cells));
     if asked == 0u { return; }
     let thirds = asked - 1u;
     let level = (thirds + THIRDS - 1u) / THIRDS;

@@ -94,7 +94,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 55] = [
+    let without_textures: [Maker; 56] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,

@@ -431,7 +431,7 @@ mod gpu {
             "pages" => s.pages.pages = Some(1),
             "finer" => s.pages.finer = 2,
             "page-rule" => s.pages.rule = PageRule::Queried,
-            "changed" => s.pages.changed = 20,
+            "changed" => s.pages.changed = 10_000,
             "density" => s.axes.density = DensityRule::Logarithmic,
             "stretch" => s.axes.stretch = 2,
             "memory-limit" | "list-start" | "looks" => return None, // of memory, and of what is written
@@ -476,7 +476,7 @@ mod gpu {
                     "confidence-power" => with(method, "history", &default),
                     "focus" | "partition" if method != MethodName::Trapezoidal => with(method, "warp", &default),
                     "radius" | "turned" => with(method, "taps", &default),
-                    "changed" => with(method, "page-rule", &default),
+                    "changed" => with(method, "finer", &default).and_then(|s| with(method, "page-rule", &s)),
                     _ => Some(default.clone()),
                 };
                 let Some((base, changed)) = base.and_then(|b| Some((b.clone(), with(method, option, &b)?))) else {

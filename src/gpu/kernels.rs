@@ -1077,7 +1077,7 @@ pub mod page_requests {
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ROLE_UNSEEN = 65536, SEEN_NONE = 0,
         SEEN_DARK = 1, SEEN_OPEN = 2, PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, THIRDS = 3, WORKGROUP = 64,
-        REQUEST_HEAD = 32, TABLE_TAIL = 2, MOST_CELLS = 5,
+        REQUEST_HEAD = 32, TABLE_TAIL = 2, MOST_CELLS = 5, WEIGHTS = 31, EDGE_WEIGHT = 8,
     }
     overrides! {
         paraboloids: u32 = 1, "PARABOLOIDS",
@@ -1085,6 +1085,7 @@ pub mod page_requests {
         page_last: u32 = 8, "PAGE_LAST",
         finer: u32 = 0, "FINER",
         fitted: u32 = 0, "FITTED",
+        tiled: u32 = 0, "TILED",
         edges: u32 = 0, "EDGES",
         budget: u32 = 64, "BUDGET",
     }
@@ -1096,6 +1097,9 @@ pub mod page_requests {
         5 requests: Write<'a, u32>,
         6 levels: Write<'a, u32>,
         10 sat: Read<'a, u32>,
+    } }
+    entry_point! { "page_requests", "weigh", [64, 1, 1], SOURCE, Constants => Weigh, WeighProgram {
+        5 requests: Write<'a, u32>,
     } }
     entry_point! { "page_requests", "fit", [64, 1, 1], SOURCE, Constants => Fit, FitProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1115,11 +1119,15 @@ pub mod page_requests {
         8 masks: Write<'a, u32>,
         9 table: Write<'a, u32>,
     } }
+    subset! { Request => Weigh { requests } }
     subset! { Request => Fit { frame, id_keys, triangles, points, requests, levels } }
     subset! { Request => Spread { frame, requests } }
+    subset! { Fit => Weigh { requests } }
     subset! { Fit => Spread { frame, requests } }
+    subset! { Spread => Weigh { requests } }
+    subset! { Choose => Weigh { requests } }
     entries! {
-        Request, Fit, Spread, Choose,
+        Request, Weigh, Fit, Spread, Choose,
     }
 }
 

@@ -2,7 +2,7 @@
 //! quadtree of pages of 32 × 32 texels, of which those are made that pixels ask for, by as many thirds of a level coarser as a budget takes. Pages are
 //! made anew in every frame; nothing is read back. By [`PageRule::Fitted`](crate::stages::page_requests::PageRule) they are fitted virtual shadow
 //! maps (Giegl, Wimmer 2007): all pages of a cell of the view, as fine as the finest that is asked for in it; by `Edges` adaptive shadow maps
-//! (Fernando et al. 2001): fine pages where a silhouette is; by `Queried` queried virtual shadow maps (Giegl, Wimmer 2007): a level finer wherever
+//! (Fernando et al. 2001): fine pages where a silhouette is; by `Tiled` tiled shadow maps (Arvo 2004): a share of the budget for each cell; by `Queried` queried virtual shadow maps (Giegl, Wimmer 2007): a level finer wherever
 //! that changes what pixels see. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
 
 use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
@@ -34,7 +34,7 @@ enum Rule {
     Asked {
         requests: PageRequests,
         query: PageQuery,
-        /// Silhouettes in the light's view, where pages are asked for at edges.
+        /// Silhouettes in the light's view, where the rule asks for them.
         edges: Option<Box<(LightMapPipelines, LightMaps)>>,
     },
     /// Level by level, by what they change.
@@ -65,7 +65,7 @@ impl ResolutionMatched {
             Rule::Asked {
                 requests: PageRequests::new(device, PageRequestsOptions { tree, budget, finer, rule })?,
                 query: PageQuery::new(device, tree, bias),
-                edges: (rule == PageRule::Edges).then(edges).transpose()?,
+                edges: matches!(rule, PageRule::Edges | PageRule::Tiled).then(edges).transpose()?,
             }
         };
         let numbers = match &rule {

@@ -168,7 +168,8 @@ impl Plan {
         let curved = wanted.omni == OmniMaps::Paraboloids;
         let own = own.iter().map(|&step| if curved && step == NEAREST { CURVED } else { step });
         let own = own.map(|(name, purpose)| PlanStep { name, purpose, left_out: left_out(name) });
-        let of_edges = query == TexelQuery::Pages && wanted.pages.rule == PageRule::Edges;
+        let by_edges = matches!(wanted.pages.rule, PageRule::Edges | PageRule::Tiled);
+        let of_edges = query == TexelQuery::Pages && by_edges;
         let kept = |s: &PlanStep| match s.name {
             "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces"
             | "seen_depths" => true,

@@ -8,12 +8,13 @@
 //!   the least number of thirds of a level coarser by which they are no more than the budget. The coarsest page is always made.
 //!   By [`PageRule::Fitted`] the view is cut into cells, the pages of level 5 or of the finest, and all pages of a cell are asked for
 //!   at the finest level that any pixel in it asks for, which is then that of all its pixels. By [`PageRule::Edges`] pixels away from silhouettes ask for
-//!   no finer texels than the map's.
-//! - **Cost.** One dispatch over pixels, one over nodes, one more of each for cells; 20 bytes a node, 4 a pixel, and 4 a cell.
+//!   no finer texels than the map's. By [`PageRule::Tiled`] cells share the budget by the pixels in them, those near silhouettes before others.
+//! - **Cost.** One dispatch over pixels, one over nodes, one more of each for cells; 20 bytes a node, 4 a pixel, and 8 a cell.
 //! - **Source.** Lefohn, Sengupta, Owens 2007 ("Resolution-matched shadow maps"): all steps on the GPU. Marks in a tree take the place of
 //!   its sort of requests. Cells: Giegl, Wimmer 2007 ("Fitted virtual shadow maps"), whose low-resolution buffer of required
 //!   resolutions a CPU fills. Edges: Fernando, Fernandez, Bala, Greenberg 2001
-//!   ("Adaptive shadow maps"), by marks of silhouettes where theirs looks for steps of depth, and not over several frames.
+//!   ("Adaptive shadow maps"), by marks of silhouettes where theirs looks for steps of depth, and not over several frames. Shares: Arvo 2004
+//!   ("Tiled shadow maps").
 
 use super::{PrefixScan, PrimaryHits, SummedArea, holds};
 use crate::frame::Frame;
@@ -87,7 +88,7 @@ impl PageTree {
 pub struct PageNodes {
     /// The tree.
     pub tree: PageTree,
-    /// Pages asked for by how much coarser all are, then bits of every node, then a word a cell: see the kernel.
+    /// Pages asked for by how much coarser all are, then bits of every node, then two words a cell: see the kernel.
     pub requests: Buffer<u32>,
     /// The level that each pixel asks for, in thirds, which round up.
     pub levels: Buffer<u32>,
@@ -112,14 +113,10 @@ impl PageNodes {
     /// # Errors
     /// As [`Buffer::storage`].
     pub fn new(device: &wgpu::Device, with: &PageNumbers, tree: PageTree, pixels: usize) -> Result<Self> {
-        let ([width, height], nodes) = (tree.grid(), tree.nodes());
+        let ([width, height], nodes, head) = (tree.grid(), tree.nodes(), kernel::REQUEST_HEAD as usize);
         Ok(Self {
             tree,
-            requests: Buffer::storage(
-                device,
-                "page_requests.requests",
-                kernel::REQUEST_HEAD as usize + nodes + tree.cells(),
-            )?,
+            requests: Buffer::storage(device, "page_requests.requests", head + nodes + 2 * tree.cells())?,
             levels: Buffer::storage(device, "page_requests.levels", pixels)?,
             flags: Buffer::storage(device, "page_requests.flags", nodes)?,
             masks: Buffer::storage(device, "page_requests.masks", nodes)?,
@@ -189,6 +186,9 @@ pub enum PageRule {
     Edges,
     /// All of a cell of the view, at the finest level that a pixel in it asks for: fitted virtual shadow maps (Giegl, Wimmer 2007).
     Fitted,
+    /// All of a cell of the view, at the level of its share of the budget by the pixels in it, of which those near a silhouette in the map count
+    /// eight times, where that is no finer than by `Fitted`: tiled shadow maps (Arvo 2004).
+    Tiled,
     /// A level finer, from a whole coarse map on, wherever that changes what pixels see, no finer than they ask for by `Matched`: queried virtual
     /// shadow maps (Giegl, Wimmer 2007), by [`page_refinement`](super::page_refinement).
     Queried,
@@ -198,8 +198,8 @@ pub enum PageRule {
 #[derive(Debug)]
 pub struct PageRequests {
     request: kernel::RequestProgram,
-    /// Pages of cells, and the levels of their pixels.
-    cells: Option<(kernel::SpreadProgram, kernel::FitProgram)>,
+    /// Weights of cells, their pages, and the levels of their pixels.
+    cells: Option<(Option<kernel::WeighProgram>, kernel::SpreadProgram, kernel::FitProgram)>,
     /// Bound where no table is given.
     no_sat: Buffer<u32>,
     choose: kernel::ChooseProgram,
@@ -216,8 +216,7 @@ impl PageRequests {
         if rule == PageRule::Queried {
             return Err(Error::Config("page_requests: pages by what changes are those of page_refinement".to_owned()));
         }
-        let fitted = rule == PageRule::Fitted;
-        let no_sat = Buffer::storage(device, "page_requests.no_sat", 1)?;
+        let (tiled, fitted) = (rule == PageRule::Tiled, rule == PageRule::Fitted);
         let most = PageTree::MOST_PAGES;
         if !(1..=most).contains(&budget) {
             return Err(Error::Config(format!("page_requests: {budget} pages; 1 to {most} are possible")));
@@ -225,17 +224,21 @@ impl PageRequests {
         let constants = kernel::Constants {
             paraboloids: 0,
             finer,
-            fitted: fitted.into(),
+            fitted: (tiled || fitted).into(),
+            tiled: tiled.into(),
             edges: (rule == PageRule::Edges).into(),
             budget,
             page_base: tree.base,
             page_last: tree.last,
         };
-        let cells = || (kernel::SpreadProgram::new(device, constants), kernel::FitProgram::new(device, constants));
+        let of_cells = || {
+            let weigh = tiled.then(|| kernel::WeighProgram::new(device, constants));
+            (weigh, kernel::SpreadProgram::new(device, constants), kernel::FitProgram::new(device, constants))
+        };
         Ok(Self {
             request: kernel::RequestProgram::new(device, constants),
-            cells: fitted.then(cells),
-            no_sat,
+            cells: (tiled || fitted).then(of_cells),
+            no_sat: Buffer::storage(device, "page_requests.no_sat", 1)?,
             choose: kernel::ChooseProgram::new(device, constants),
             numbers: PageNumbers::new(device),
         })
@@ -247,7 +250,7 @@ impl PageRequests {
     }
 
     /// Records which pages the pixels ask for. [`PageNodes::requests`] must be 0 before; `sat` is the summed-area table of the map's marks, which
-    /// [`PageRule::Edges`] asks.
+    /// [`PageRule::Edges`] and `Tiled` ask.
     ///
     /// # Errors
     /// [`Error::Config`] if `nodes` is for fewer pixels.
@@ -271,7 +274,8 @@ impl PageRequests {
         };
         let pixels = Groups::Items(seen.id_keys.len() as u64);
         stage.run(&self.request, bindings, pixels);
-        if let Some((spread, fit)) = &self.cells {
+        if let Some((weigh, spread, fit)) = &self.cells {
+            weigh.iter().for_each(|weigh| stage.run(weigh, bindings, Groups::Items(nodes.tree.cells() as u64)));
             stage.run(spread, bindings, Groups::Items(nodes.tree.nodes() as u64));
             stage.run(fit, bindings, pixels);
         }

@@ -1,7 +1,7 @@
 //! Rounds of finer pages: which pixels go on and what pages they ask for, against their footprints in `f64`; exactly, which pages are made of these;
 //! visibility on the same pages, pixel by pixel, as an interval that rounding may make of it; and how many pixels changed in each page.
 
-use crate::support::pages::{BIAS, footprint, ten_a_row, thirds_wanted};
+use crate::support::pages::{BIAS, ten_a_row, thirds_wanted};
 use crate::support::shadow::{
     World, above, add_triangle, camera, looked_down_on as world, random_light, random_scene, samples, sheet, uniform,
 };

@@ -1,13 +1,15 @@
 //! Levels that pixels ask for against their footprints in `f64`, pages against the boxes of these, and exactly: which pages are made of those
 //! that are asked for.
 
-use crate::support::pages::{Paged, footprint, ten_a_row, thirds_wanted};
+use crate::support::pages::{Paged, WEIGHTS, footprint, ten_a_row, thirds_wanted};
 use crate::support::shadow::{
     World, above, camera, looked_down_on as world, random_light, random_scene, samples, sheet,
 };
 use crate::support::spsm::faces_away;
 use crate::support::{POISON, Random, gpu, sizes_around};
-use oracle::reference::page_requests::{Asked, THIRDS, cells, chosen, level, levels_around, of_cells};
+use oracle::reference::page_requests::{
+    Asked, EDGE_WEIGHT, THIRDS, cells, chosen, level, levels_around, of_cells, tiles,
+};
 use oracle::reference::prefix_scan::exclusive;
 use oracle::reference::summed_area::table;
 use std::collections::BTreeSet;
@@ -15,6 +17,13 @@ use subpixel_shadows::glam::{DVec2, UVec2};
 use subpixel_shadows::scene::{Light, Mesh};
 use subpixel_shadows::stages::page_requests::{PageRule, PageTree};
 use test_support::gpu_test;
+
+/// Whether one of these texels of a map of `size` a side lies in a box that is longer by `grow` on either side.
+fn is_marked(texels: &[[u32; 2]], [low, high]: [DVec2; 2], size: f64, grow: f64) -> bool {
+    let texel = |p: DVec2| p.clamp(DVec2::ZERO, DVec2::splat(size - 1.0)).floor().as_uvec2();
+    let (first, last) = (texel(low - grow), texel(high + grow));
+    texels.iter().any(|&at| UVec2::from(at).cmpge(first).all() && UVec2::from(at).cmple(last).all())
+}
 
 /// Where the stage departs from its definition; how many pixels' levels were known to one.
 fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
@@ -43,12 +52,7 @@ fn fault(world: &World, ran: &Paged) -> Result<usize, String> {
             continue;
         };
         if let Some(edges) = &ran.edges {
-            let near = |grow: f64| {
-                let texel = |p: DVec2| p.clamp(DVec2::ZERO, DVec2::splat(size - 1.0)).floor().as_uvec2();
-                let (first, last) = (texel(low - grow), texel(high + grow));
-                let within = |at: UVec2| at.cmpge(first).all() && at.cmple(last).all();
-                edges.iter().any(|&at| within(at.into()))
-            };
+            let near = |grow: f64| is_marked(edges, [low, high], size, grow);
             let held = THIRDS * tree[0];
             finest = if near(1.25) { finest } else { finest.min(held) };
             coarsest = if near(0.75) { coarsest } else { coarsest.min(held) };
@@ -115,7 +119,7 @@ fn choice_fault(ran: &Paged, asked: &[Asked]) -> Option<String> {
 }
 
 /// Where pages by cells depart from their definition, by the levels of those by pixels, which are checked by themselves; how many cells are asked for.
-fn fault_of_cells(world: &World, by_pixel: &Paged, ran: &Paged) -> Result<usize, String> {
+fn fault_of_cells(world: &World, by_pixel: &Paged, ran: &Paged, marked: &[[u32; 2]]) -> Result<usize, String> {
     let (tree, side) = (ran.tree, 1u32 << ran.tree.cell_level());
     let scale = f64::from(tree.cell_level() as i32 - tree.base as i32).exp2();
     let (size, page) = (f64::from(world.view.map.map_size), f64::from(PageTree::PAGE));
@@ -139,14 +143,48 @@ fn fault_of_cells(world: &World, by_pixel: &Paged, ran: &Paged) -> Result<usize,
         let anywhere = footprint(world, pixel as u32, ran.seen[pixel].unwrap_or(0)).is_none();
         most.extend(touched(pixel, 1.0).or(anywhere.then_some([[0; 2], [side - 1; 2]])).map(|cells| (thirds, cells)));
     }
-    let found = ran.cells();
+    let mut found = ran.cells();
     for (k, ((found, least), most)) in found.iter().zip(cells(least, side)).zip(cells(most, side)).enumerate() {
         if !(least..=most).contains(found) {
             return Err(format!("cell {k} has {found:?}, {least:?} to {most:?} expected"));
         }
     }
     let asked = ran.asked();
-    let wanted = of_cells(&found, tree.cell_level(), tree.base, world.view.map.map_size, PageTree::PAGE);
+    let pages_of =
+        |cells: &[Option<u32>]| of_cells(cells, tree.cell_level(), tree.base, world.view.map.map_size, PageTree::PAGE);
+    if ran.rule == PageRule::Tiled {
+        let edges = |pixel: usize, grow: f64| {
+            let [low, high] = footprint(world, pixel as u32, ran.seen[pixel]?)?.1;
+            Some(is_marked(marked, [low, high], size, grow))
+        };
+        let of = |pixel: usize, grow: f64| if edges(pixel, grow) == Some(true) { EDGE_WEIGHT } else { 1 };
+        let weigh = |grow: f64, near: f64, sure: bool| {
+            let mut weights = vec![0; tree.cells()];
+            for pixel in (0..ran.seen.len()).filter(|&p| dark(p) == Some(false) || !sure && dark(p).is_none()) {
+                let Some([first, last]) = touched(pixel, grow) else { continue };
+                for y in first[1]..=last[1] {
+                    (first[0]..=last[0]).for_each(|x| weights[(y * side + x) as usize] += of(pixel, near));
+                }
+            }
+            weights
+        };
+        let (weights, all) = ran.weights();
+        for (k, (least, most)) in weigh(0.25, 0.75, true).into_iter().zip(weigh(1.0, 1.25, false)).enumerate() {
+            if !(least..=most).contains(&weights[k]) || all != weights.iter().sum::<u32>() {
+                return Err(format!("cell {k} weighs {}, {least} to {most} expected", weights[k]));
+            }
+        }
+        let level = |more: f64| tiles(&found, weights, tree.cell_level(), ran.budget, more);
+        let (high, all) = (level(1e-4), asked.iter().copied().collect());
+        let pick = |(k, (low, high)): (usize, (Option<u32>, Option<u32>))| {
+            let mut alone = vec![None; tree.cells()];
+            alone[k] = low;
+            // Rounding may make either of them.
+            if low != high && pages_of(&alone).is_subset(&all) { low } else { high }
+        };
+        found = level(-1e-4).into_iter().zip(high).enumerate().map(pick).collect();
+    }
+    let wanted = pages_of(&found);
     if asked.iter().copied().collect::<BTreeSet<_>>() != wanted {
         return Err(format!("{asked:?} are asked for, {wanted:?} expected"));
     }
@@ -288,7 +326,7 @@ fn cells_are_as_fine_as_their_pixels() {
             let by_pixel = Paged::new(&world, budget, 4);
             let ran = Paged::by(PageRule::Fitted, &world, budget, 4);
             let cells =
-                fault_of_cells(&world, &by_pixel, &ran).unwrap_or_else(|e| panic!("map {map}, kind {kind}: {e}"));
+                fault_of_cells(&world, &by_pixel, &ran, &[]).unwrap_or_else(|e| panic!("map {map}, kind {kind}: {e}"));
             assert!(cells > 0);
             whole += usize::from(ran.counts[2] > by_pixel.counts[2]);
         }
@@ -300,9 +338,9 @@ fn cells_are_as_fine_as_their_pixels() {
         let mut off = Paged::by(PageRule::Fitted, &world, 500, 4);
         assert!(off.requests == ran.requests && off.levels == ran.levels, "another result in a second run");
         spoil(&mut off);
-        fault_of_cells(&world, &by_pixel, &off).is_err()
+        fault_of_cells(&world, &by_pixel, &off, &[]).is_err()
     };
-    let (all, asked) = (ran.requests.len() - ran.tree.cells(), ran.asked());
+    let (all, asked) = (ran.requests.len() - 2 * ran.tree.cells(), ran.asked());
     let cell = ran.cells().iter().position(Option::is_some).expect("a cell");
     let bare = ran.cells().iter().position(Option::is_none).expect("a cell that no pixel sees");
     let pixel = ran.levels.iter().position(|&level| level > 6).expect("a pixel");
@@ -312,6 +350,45 @@ fn cells_are_as_fine_as_their_pixels() {
     assert!(spoilt(&|r| r.requests[ran.word(asked[1].0)] &= !(4 >> asked[1].1)));
     assert!(spoilt(&|r| r.levels[pixel] -= 6));
     assert!(spoilt(&|r| r.counts[0] += 1));
+}
+
+/// Tiles share the budget by the pixels in them, those near silhouettes before others.
+#[gpu_test]
+fn tiles_are_as_fine_as_their_share() {
+    let mut random = Random::new(101);
+    let marks = |map: u32, random: &mut Random| -> Vec<[u32; 2]> {
+        (0..map / 2).map(|_| [random.below(map), random.below(map)]).collect()
+    };
+    let mut coarser = 0;
+    for (k, map) in [64, 150, 1000, 24].into_iter().enumerate() {
+        for (kind, budget) in [(0, 4000), (1, 60), (2, 9), (3, 1000)] {
+            let mesh = random_scene(kind, &mut random);
+            let world = world(gpu(), &mesh, random_light(k % 2 == 0, &mut random), [60, 40], map, [1, 32, 8, 128][k]);
+            let marked = marks(map, &mut random);
+            let (by_pixel, ran) =
+                (Paged::new(&world, budget, 4), Paged::marked(PageRule::Tiled, &world, budget, 4, &marked));
+            fault_of_cells(&world, &by_pixel, &ran, &marked).unwrap_or_else(|e| panic!("map {map}, kind {kind}: {e}"));
+            coarser += usize::from(ran.counts[2] < Paged::by(PageRule::Fitted, &world, budget, 4).counts[2]);
+        }
+    }
+    assert!(coarser > 8, "{coarser}");
+    let world = world(gpu(), &random_scene(1, &mut Random::new(89)), above(), [96, 72], 100, 8);
+    let marked = marks(100, &mut random);
+    let of = || Paged::marked(PageRule::Tiled, &world, 200, 4, &marked);
+    let (by_pixel, ran) = (Paged::new(&world, 200, 4), of());
+    let spoilt = |spoil: &dyn Fn(&mut Paged)| {
+        let mut off = of();
+        assert!(off.requests == ran.requests && off.levels == ran.levels, "another result in a second run");
+        spoil(&mut off);
+        fault_of_cells(&world, &by_pixel, &off, &marked).is_err()
+    };
+    let heaviest = (0..ran.tree.cells()).max_by_key(|&k| ran.weights().0[k]).expect("cells");
+    let weight = ran.requests.len() - ran.tree.cells() + heaviest;
+    assert!(!spoilt(&|_| ()));
+    assert!(spoilt(&|r| r.requests[weight] *= 2));
+    assert!(spoilt(&|r| r.requests[WEIGHTS] += 1));
+    assert!(spoilt(&|r| r.budget = 20));
+    assert!(fault_of_cells(&world, &by_pixel, &of(), &[]).is_err(), "without silhouettes");
 }
 
 #[gpu_test]

@@ -80,7 +80,9 @@ fn settings(method: MethodName, plain: &Settings) -> Vec<Settings> {
     vary("layers", &[&|s| s.moments.layers = 7]);
     vary("terms", &[&|s| s.moments.terms = 5]);
     vary("finer", &[&|s| s.pages.finer = 2]);
-    vary("page-rule", &[&|s| s.pages.rule = PageRule::Fitted, &|s| s.pages.rule = PageRule::Edges]);
+    for rule in [PageRule::Fitted, PageRule::Edges, PageRule::Tiled] {
+        vary("page-rule", &[&|s| s.pages.rule = rule]);
+    }
     vary("changed", &[&|s| s.pages.rule = PageRule::Queried]);
     vary("density", &[&|s| s.axes.density = DensityRule::Logarithmic]);
     vary("bleeding", &[&|s| s.moments = MomentSettings { bleeding: 0.2, grazing: 5.0, ..s.moments }]);

@@ -74,6 +74,8 @@ pub enum PagesBy {
     Edges,
     /// All of a cell of the view, as fine as the finest that is asked for in it
     Fitted,
+    /// All of a cell of the view, as fine as its share of them by the pixels in it, those near silhouettes first
+    Tiled,
     /// Finer and finer ones, as long as that changes what pixels see
     Queried,
 }
@@ -84,6 +86,7 @@ impl From<PagesBy> for PageRule {
             PagesBy::Matched => Self::Matched,
             PagesBy::Edges => Self::Edges,
             PagesBy::Fitted => Self::Fitted,
+            PagesBy::Tiled => Self::Tiled,
             PagesBy::Queried => Self::Queried,
         }
     }

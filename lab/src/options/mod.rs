@@ -171,7 +171,7 @@ pub struct RenderOptions {
     /// Levels of pages beyond that whose texels are no longer than a pixel on its receiver (resolution-matched): 0 to 4
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub finer: u32,
-    /// Rule by which pages of resolution-matched are asked for: by pixels, by those near silhouettes (adaptive shadow maps), by cells of the view (fitted virtual shadow maps), or by what finer ones change (queried virtual shadow maps)
+    /// Rule by which pages of resolution-matched are asked for: by pixels, by those near silhouettes (adaptive shadow maps), by cells of the view (fitted virtual shadow maps), by shares for them (tiled shadow maps), or by what finer ones change (queried virtual shadow maps)
     #[arg(long, value_enum, default_value_t, value_name = "BY")]
     pub page_rule: PagesBy,
     /// Pixels that have to change in a page for a finer one, by `--page-rule queried`

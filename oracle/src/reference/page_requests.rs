@@ -41,6 +41,21 @@ pub fn cells(pixels: impl IntoIterator<Item = (u32, [[u32; 2]; 2])>, side: u32) 
     cells
 }
 
+/// Times that a pixel near a silhouette counts in the weight of a cell.
+pub const EDGE_WEIGHT: u32 = 8;
+
+/// The levels of cells, which are the pages of level `of`, by their shares of `budget` pages by weight, where these are not finer than what pixels
+/// ask for; `more`: thirds that the logarithm of a share may be off.
+pub fn tiles(cells: &[Option<u32>], weights: &[u32], of: u32, budget: u32, more: f64) -> Vec<Option<u32>> {
+    let all = f64::from(weights.iter().sum::<u32>());
+    let of_share = |(cell, &weight): (&Option<u32>, &u32)| {
+        let share = f64::from(budget) * f64::from(weight) / all;
+        let thirds = (f64::from(THIRDS * of) + (1.5 * share.log2() + more).floor()).max(0.0) as u32;
+        cell.map(|finest| finest.min(thirds))
+    };
+    cells.iter().zip(weights).map(of_share).collect()
+}
+
 /// All pages of cells, which are the pages of level `of`, at their levels; of a map of `map` texels a side, whose level is `base`.
 pub fn of_cells(cells: &[Option<u32>], of: u32, base: u32, map: u32, page: u32) -> BTreeSet<Asked> {
     let mut asked = BTreeSet::new();
@@ -121,6 +136,14 @@ mod tests {
         assert_eq!(asked(48), [vec![((1, [0, 0]), 0), ((1, [1, 1]), 1)], some].concat());
         assert_eq!(of_cells(&[Some(0)], 0, 1, 64, 32).into_iter().collect::<Vec<_>>(), [((0, [0, 0]), 0)]);
         assert_eq!(of_cells(&of, 1, 1, 64, 32).len(), 18);
+    }
+
+    #[test]
+    fn tiles_share_the_budget() {
+        let cells = [Some(20), Some(7), None, Some(20)];
+        // 8, 4, and 4 of 16 pages: one and a half levels, and one, beyond that of the cells.
+        assert_eq!(tiles(&cells, &[2, 1, 0, 1], 2, 16, 1e-6), [Some(10), Some(7), None, Some(9)]);
+        assert_eq!(tiles(&cells, &[0, 1, 0, 1023], 2, 1, 1e-6), [Some(0), Some(0), None, Some(5)]);
     }
 
     #[test]

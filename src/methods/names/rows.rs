@@ -423,7 +423,7 @@ pub const METHODS: [MethodRow; 24] = [
         method: MethodName::ResolutionMatched,
         name: "resolution-matched",
         paper: "Lefohn, Sengupta, Owens 2007: Resolution-Matched Shadow Maps",
-        section: "Scherzer 2011: 4.3.3; with --page-rule edges Fernando et al. 2001, fitted, queried Giegl, Wimmer 2007",
+        section: "Scherzer 2011: 4.3.3; with --page-rule edges Fernando et al. 2001, tiled Arvo 2004, others Giegl, Wimmer 2007",
         parts: [
             "pages of a quadtree as fine as pixels ask, edges, cells or changes, in a budget; slices, warps; a cube",
             "nearest depth",

@@ -18,6 +18,9 @@ use subpixel_shadows::stages::page_requests::{PageNodes, PageRequests, PageReque
 /// Constant and slope of the bias.
 pub const BIAS: [f32; 2] = [5e-5, 1.05];
 
+/// The word of the requests that sums the weights of cells up.
+pub const WEIGHTS: usize = 31;
+
 /// A device whose dispatches fold over ten workgroups a dimension, which nodes of a small tree take.
 pub fn ten_a_row() -> &'static Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
@@ -29,6 +32,7 @@ pub struct Paged {
     pub tree: PageTree,
     pub budget: u32,
     pub finer: u32,
+    pub rule: PageRule,
     /// Texels with silhouettes, where these count.
     pub edges: Option<Vec<[u32; 2]>>,
     pub seen: Vec<Option<u32>>,
@@ -92,6 +96,7 @@ impl Paged {
             tree,
             budget,
             finer,
+            rule,
             edges: (rule == PageRule::Edges).then(|| marked.to_vec()),
             seen,
             requests: read(&nodes.requests),
@@ -114,13 +119,18 @@ impl Paged {
 
     /// The finest level, in thirds, that is asked for of each cell.
     pub fn cells(&self) -> Vec<Option<u32>> {
-        let words = &self.requests[self.requests.len() - self.tree.cells()..];
-        words.iter().map(|word| word.checked_sub(1)).collect()
+        let (end, cells) = (self.requests.len(), self.tree.cells());
+        self.requests[end - 2 * cells..end - cells].iter().map(|word| word.checked_sub(1)).collect()
+    }
+
+    /// The weight of each cell, and the sum of all.
+    pub fn weights(&self) -> (&[u32], u32) {
+        (&self.requests[self.requests.len() - self.tree.cells()..], self.requests[WEIGHTS])
     }
 
     /// The word of a page's bits.
     pub fn word(&self, (level, page): TreePage) -> usize {
-        self.requests.len() - self.tree.cells() - self.tree.nodes() + self.tree.node(level, page)
+        self.requests.len() - 2 * self.tree.cells() - self.tree.nodes() + self.tree.node(level, page)
     }
 
     /// The pages that pixels ask for.

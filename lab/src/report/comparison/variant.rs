@@ -209,9 +209,12 @@ fn of_method(method: MethodName, settings: &Settings, more: bool, found: &mut Ve
                     add(&format!("finer={finer}"), Settings { pages, ..settings.clone() });
                 }
             }
-            for (name, rule) in
-                [("edges", PageRule::Edges), ("fitted", PageRule::Fitted), ("queried", PageRule::Queried)]
-            {
+            for (name, rule) in [
+                ("edges", PageRule::Edges),
+                ("fitted", PageRule::Fitted),
+                ("tiled", PageRule::Tiled),
+                ("queried", PageRule::Queried),
+            ] {
                 let pages = PageSettings { rule, ..settings.pages };
                 add(&format!("page-rule={name}"), Settings { pages, ..settings.clone() });
             }
