@@ -6,7 +6,7 @@
 // the receiver's plane may run below. Writes `visibility`: the mean over the samples whose rays meet the
 // receiver.
 
-//@import frame dispatch facing receiver beside alpha roles
+//@import frame dispatch facing receiver beside alpha mapped_view roles
 
 override LOOKUPS: u32 = 5u;
 override BIAS: f32 = 0.00001;
@@ -39,7 +39,7 @@ fn meets(c: Corners, given: vec4<u32>, point: vec3<f32>, depth: f32) -> bool {
     if !(depth_of(at) < depth - BIAS) { return false; }
     if ALPHA == 0u || !is_tested(given.w) { return true; }
     if !casts(given.w) { return false; }
-    let card = Card(points[given.x].xyz, points[given.y].xyz, points[given.z].xyz, vec3(0.0));
+    let card = Card(points[given.x].xyz, points[given.y].xyz, points[given.z].xyz, mapped_ahead());
     return is_solid(given.w, card, point, way);
 }
 

@@ -7,7 +7,7 @@
 // of the distance over that of depth 1) the texels whose centres see the triangle. Triangles that are no
 // casters (FLAG_CULL_BACK) take nothing.
 
-//@import frame dispatch rect work_items front_split facing alpha roles paraboloid
+//@import frame dispatch rect work_items front_split facing alpha roles paraboloid mapped_view
 
 const WORKGROUP = 64u;
 const SLACK = 0.015625;     // texels
@@ -135,9 +135,10 @@ fn is_hole_towards(given: vec4<u32>, d: vec3<f32>) -> bool {
     let a = along_axes(points[given.x].xyz);
     let b = along_axes(points[given.y].xyz);
     let c = along_axes(points[given.z].xyz);
-    let shares = vec3(dot(d, cross(b, c - b)), dot(d, cross(c, a - c)), dot(d, cross(a, b - a)));
-    let all = shares.x + shares.y + shares.z;
-    return all != 0.0 && !is_solid_by(given.w, shares.yz / all);
+    let parts = vec3(dot(d, cross(b, c - b)), dot(d, cross(c, a - c)), dot(d, cross(a, b - a)));
+    let all = parts.x + parts.y + parts.z;
+    let card = Card(points[given.x].xyz, points[given.y].xyz, points[given.z].xyz, mapped_ahead());
+    return all != 0.0 && !is_solid_by(given.w, world_shares(parts.yz / all, card));
 }
 
 @compute @workgroup_size(WORKGROUP)

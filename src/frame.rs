@@ -130,7 +130,7 @@ impl Frame {
     pub const ENDS: u32 = 1024;
     /// The view is a [paraboloid](LightView::paraboloids) one.
     pub const PARABOLOID: u32 = 262_144;
-    /// A homography maps the world: texture coordinates of casters are those of the world. Of `facet-masks`.
+    /// A homography maps the world: texture coordinates of casters are those of the world.
     pub const MAPPED: u32 = 524_288;
     /// Another view of the light follows.
     pub const MORE_VIEWS: u32 = 128;

@@ -62,12 +62,17 @@ fn is_solid_by(word: u32, shares: vec2<f32>) -> bool {
 struct Card { a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, ahead: vec3<f32> }
 
 // Shares of the second and the third corner where the triangle is in the world, by those in a world that a
-// homography maps: view depths of corners, which are relative to the eye, go as one by their divisors.
+// homography maps, and view depths of the corners: these, relative to the eye, go as one by their divisors.
+fn shares_by_depths(shares: vec2<f32>, depths: vec3<f32>) -> vec2<f32> {
+    let parts = vec3(1.0 - shares.x - shares.y, shares) * depths;
+    return parts.yz / (parts.x + parts.y + parts.z);
+}
+
+// The same by the corners; in a world that none maps they are what they are.
 fn world_shares(shares: vec2<f32>, card: Card) -> vec2<f32> {
     if all(card.ahead == vec3(0.0)) { return shares; }
     let depths = vec3(dot(card.a, card.ahead), dot(card.b, card.ahead), dot(card.c, card.ahead));
-    let parts = vec3(1.0 - shares.x - shares.y, shares) * depths;
-    return parts.yz / (parts.x + parts.y + parts.z);
+    return shares_by_depths(shares, depths);
 }
 
 // Whether a tested triangle with these corners is there where the line from a point along `way` crosses it

@@ -635,7 +635,7 @@ pub mod kept_triangles {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
         "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/beside", "shared/alpha", "kept_triangles",
+        "shared/facet/beside", "shared/alpha", "shared/frame/mapped_view", "kept_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1139,7 +1139,8 @@ pub mod paraboloid_casters {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/raster/work_items", "shared/raster/front_split", "shared/frame/facing", "shared/alpha",
-        "shared/roles", "shared/raster/paraboloid", "shared/frame/frame_copy", "paraboloid_casters",
+        "shared/roles", "shared/raster/paraboloid", "shared/frame/mapped_view", "shared/frame/frame_copy",
+        "paraboloid_casters",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,

@@ -349,6 +349,7 @@ impl FixedMemory {
             frame.facet_count = frame.facets_total;
             frame.stamp = stamp;
             // Of the flags of facets those that follow from the method are its own.
+            frame.flags |= flags & Frame::MAPPED;
             frame.flags |= flags >> Frame::NO_LAYERS << Frame::NO_LAYERS;
             if self.method.finds_surfaces() {
                 let c = self.method.capacities();

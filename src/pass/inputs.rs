@@ -193,8 +193,8 @@ pub struct Inputs<'a> {
     /// [`DepthTerms::of_projection`](super::DepthTerms::of_projection) sees to it; of others nobody can.
     pub camera: &'a Camera,
     /// Map of the world, of an orthographic camera ([`Inputs::orthographic`]): casters, which move or are instances, and the light are given where
-    /// they are in the world. Range and cone of the light are then not made use of. It takes no casters that stand, alpha-tested ones by `facet-masks` alone, no histories, no
-    /// lists of lights, and of surfaces in a G-buffer their depths alone. Depths that a frame tells and takes are those of its mapped world.
+    /// they are in the world. Range and cone of the light are then not made use of. It takes no casters that stand, no histories, no lists of lights,
+    /// and of surfaces in a G-buffer their depths alone. Depths that a frame tells and takes are those of its mapped world.
     pub homography: Option<&'a Homography>,
     /// The light, which may be another every frame: its views are then fitted anew, which takes no walk over all casters.
     pub light: &'a Light,

@@ -3,7 +3,6 @@
 use super::gbuffer::{GBuffer, SurfacePosition};
 use super::inputs::{Inputs, LightReach, Moved, PartAt, PartPlace, Placed};
 use super::{ShadowPass, Target};
-use crate::methods::MethodName;
 use crate::scene::{Homography, Light};
 use crate::{Error, Result};
 
@@ -71,13 +70,6 @@ impl ShadowPass {
         let standing = self.casters.are_known() || self.casters.parts.as_ref().is_some_and(|parts| parts.any_stands());
         if standing {
             return refuse("casters that stand are not mapped: they can be given as instances");
-        }
-        let method = self.maker.pipelines.method();
-        if self.casters.are_tested() && method != MethodName::FacetMasks {
-            return refuse(&format!(
-                "of alpha-tested casters facet-masks alone finds the holes, not {}",
-                method.name()
-            ));
         }
         if self.image.method.keeps_history() {
             return refuse("a history of frames is of one world, and each frame's is mapped otherwise");

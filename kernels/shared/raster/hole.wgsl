@@ -11,6 +11,13 @@ fn from_place(p: vec4<f32>, at: vec2<f32>) -> vec3<f32> {
     return vec3(q.xy - at * q.w, q.w);
 }
 
+// View depth of a point of the map.
+fn view_depth_of(p: vec4<f32>) -> f32 {
+    let q = undivided(p, frame.light_low.w);
+    let across = frame.back_u.xyz * q.x + frame.back_v.xyz * q.y;
+    return dot(across + frame.back_z.xyz * q.z + frame.back_w.xyz * q.w, frame.forward.xyz);
+}
+
 // Whether an alpha-tested triangle has a hole at a place of the map, or casts nothing.
 fn is_hole(given: vec4<u32>, at: vec2<f32>) -> bool {
     if ALPHA == 0u || !is_tested(given.w) { return false; }
@@ -18,7 +25,13 @@ fn is_hole(given: vec4<u32>, at: vec2<f32>) -> bool {
     let a = from_place(map_points[given.x], at);
     let b = from_place(map_points[given.y], at);
     let c = from_place(map_points[given.z], at);
-    let shares = vec3(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
-    let all = shares.x + shares.y + shares.z;
-    return all != 0.0 && !is_solid_by(given.w, shares.yz / all);
+    let parts = vec3(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
+    let all = parts.x + parts.y + parts.z;
+    if all == 0.0 { return false; }
+    var shares = parts.yz / all;
+    if (frame.flags & FLAG_MAPPED) != 0u {
+        shares = shares_by_depths(shares, vec3(view_depth_of(map_points[given.x]),
+            view_depth_of(map_points[given.y]), view_depth_of(map_points[given.z])));
+    }
+    return !is_solid_by(given.w, shares);
 }
