@@ -289,8 +289,8 @@ pub(crate) fn where_truth_is_sure(truth: &mut Vec<(FacetInput, FacetResult)>, sc
 }
 
 fn pass_of(scene: &Scene) -> ShadowPass {
-    // A settled facet says nothing of samples beside its triangle.
-    pass(Settings { settle: false, ..settings(FacetMode::One, 32) }, &scene.mesh)
+    // A settled facet says nothing of samples beside its triangle. By depth the view holds the whole ground: in a small map all else would be two texels.
+    pass(Settings { settle: false, map: 512, ..settings(FacetMode::One, 32) }, &scene.mesh)
 }
 
 /// The frame with the numbers that the application drew, its samples held against truth; and with its depth alone, which is the same.
