@@ -47,7 +47,7 @@ impl PageRefinementOptions {
     }
 }
 
-/// What the rounds have found.
+/// Findings of the rounds.
 #[derive(Debug)]
 pub struct PageChanges {
     /// Pixels that changed in each node's page.
@@ -130,7 +130,7 @@ impl PageRefinement {
         })
     }
 
-    /// What numbers the pages.
+    /// The pipelines that number the pages.
     pub fn numbers(&self) -> &PageNumbers {
         &self.numbers
     }

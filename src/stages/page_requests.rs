@@ -244,7 +244,7 @@ impl PageRequests {
         })
     }
 
-    /// What numbers the pages.
+    /// The pipelines that number the pages.
     pub fn numbers(&self) -> &PageNumbers {
         &self.numbers
     }

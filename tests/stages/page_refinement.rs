@@ -24,7 +24,7 @@ use test_support::gpu_test;
 
 const CLASSES: usize = PageRefinement::CLASSES as usize;
 
-/// What pixels and pages have come to.
+/// State of pixels and pages between rounds.
 #[derive(Clone, Debug, PartialEq)]
 struct State {
     levels: Vec<u32>,
@@ -482,7 +482,7 @@ fn detects_corruption() {
         (0..ran.seen.len()).find(|&p| second.after.levels[p] == second.level && second.after.visibility[p] == 1.0);
     assert!(spoilt(1, &|r| r.after.visibility[lit.expect("a lit pixel")] = 0.5));
     assert!(spoilt(0, &|r| r.before.totals[0] += 1));
-    // What a round leaves is what the next begins with.
+    // The next round begins with what one leaves.
     assert!(spoilt(1, &|r| r.after.changes[changed] += 10_000));
     assert!(spoilt(1, &|r| r.after.levels[went] -= 1));
     assert!(spoilt(2, &|r| r.before.changes[changed] = 0));

@@ -1,4 +1,4 @@
-// What pixels ask of the tree of pages: their level, and the pages that they touch.
+// Levels that pixels ask of the tree of pages, and the pages that they touch.
 
 //@import frame map_footprint page_tree divide
 //@needs var<uniform> frame: Frame;
