@@ -3,7 +3,7 @@
 //! made anew in every frame; nothing is read back. By [`PageRule::Fitted`](crate::stages::page_requests::PageRule) they are fitted virtual shadow
 //! maps (Giegl, Wimmer 2007): all pages of a cell of the view, as fine as the finest that is asked for in it; by `Edges` adaptive shadow maps
 //! (Fernando et al. 2001): fine pages where a silhouette is; by `Tiled` tiled shadow maps (Arvo 2004): a share of the budget for each cell; by `Queried` queried virtual shadow maps (Giegl, Wimmer 2007): a level finer wherever
-//! that changes what pixels see. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree.
+//! that changes what pixels see. Memory is fixed: 4 KiB a page, 20 bytes a node of the tree, 24 with `Queried`.
 
 use super::fixed_memory::{FixedMethod, MethodParts, StageInputs};
 use super::light_maps::{LightMapPipelines, LightMaps};

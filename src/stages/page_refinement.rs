@@ -10,7 +10,7 @@
 //!   changed as make it worth it; in the first round all do. Each round makes no more pages than the budget, those with the most changes, in
 //!   classes of a quarter of a double; a pixel without a page stays as it is.
 //! - **Cost.** A round: two dispatches over pixels, one over nodes, scan and table of these, and [`page_casters`](super::page_casters).
-//!   16 bytes a node, 4 a pixel, and the texels of one round.
+//!   24 bytes a node, 8 a pixel, and the texels of one round.
 //! - **Source.** Giegl, Wimmer 2007 ("Queried virtual shadow maps"): occlusion queries of a tile at a time there, atomic counts of
 //!   all pages of a level at once here.
 
