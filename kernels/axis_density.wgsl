@@ -76,6 +76,11 @@ fn request(
     if DENSITY == LOGARITHMIC { raise(NEAREST_WORD, ~bitcast<u32>(f.distance)); }
 }
 
+// A row that takes points from the eye.
+fn from_eye(row: vec4<f32>) -> vec4<f32> {
+    return vec4(row.xyz, dot(row, from_lamp(vec3(0.0))));
+}
+
 // Texels that a pixel as far as the nearest point of a cell's strip wants there along the axis, but for a
 // factor that all have; `near`: no receiver is nearer to the eye.
 fn strip_density(axis: u32, cell: u32, near: f32) -> f32 {
@@ -83,10 +88,10 @@ fn strip_density(axis: u32, cell: u32, near: f32) -> f32 {
     var row = frame.map_u;
     if axis == 1u { row = frame.map_v; }
     // The strip's plane; its point nearest to the eye, the origin.
-    let plane = row - at * frame.map_w;
+    let plane = from_eye(row - at * frame.map_w);
     let steep = length(plane.xyz);
     let apart = abs(plane.w) / steep;
-    let w = frame.map_w.w - dot(frame.map_w.xyz, plane.xyz) * plane.w / (steep * steep);
+    let w = from_eye(frame.map_w).w - dot(frame.map_w.xyz, plane.xyz) * plane.w / (steep * steep);
     let beside = sqrt(max(near * near - apart * apart, 0.0));
     let most_w = max(w + length(frame.map_w.xyz) * beside, frame.light_low.w);
     return select(1.0, most_w, (frame.flags & FLAG_PERSPECTIVE) != 0u) * steep / max(apart, near);

@@ -172,7 +172,7 @@ fn step_of(r: Receiver, ray: vec3<f32>, step: vec3<f32>, p: vec3<f32>, at: vec2<
     let over = dot(r.normal, ray);
     let change = (step - ray * (dot(r.normal, step) / over)) * (r.height / over);
     let across = vec2(dot(frame.map_u.xyz, change), dot(frame.map_v.xyz, change));
-    var moved = (across - at * dot(frame.map_w.xyz, change)) / dot(frame.map_w, vec4(p, 1.0));
+    var moved = (across - at * dot(frame.map_w.xyz, change)) / dot(frame.map_w, from_lamp(p));
     if is_paraboloid() { moved = paraboloid_step(from_light(p), change); }
     return clamp(moved, vec2(-LONGEST_STEP), vec2(LONGEST_STEP));
 }

@@ -18,7 +18,7 @@
 //@bindings Bins: bin, ask, occlude, occlude_crowds, refine, refine_all, refine_crowds
 
 //@import frame dispatch pass rect work_items conservative span facet facing double_float vertex facing_46
-//@import map_ends
+//@import map_ends from_lamp
 
 override WORDS: u32 = 1u;
 const WORKGROUP = 64u;
@@ -50,7 +50,7 @@ const CROWD = 2048u;            // 64 texels of a block, LANES at a time, looked
 // Texel x, y, depth of a point, and its distance along the axis of the light view; where that is not surely
 // in front, as vertex_project has it: undivided, and how far it lies behind the nearest distance.
 fn in_light_view(p: vec3<f32>) -> vec4<f32> {
-    let q = vec4(p, 1.0);
+    let q = from_lamp(p);
     let uvz = vec3(dot(frame.map_u, q), dot(frame.map_v, q), dot(frame.map_z, q));
     if (frame.flags & FLAG_PERSPECTIVE) == 0u { return vec4(uvz, 1.0); }
     let w = dot(frame.map_w, q);

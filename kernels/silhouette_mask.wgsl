@@ -50,7 +50,7 @@ fn classify(
             let low = min(a.xy, b.xy);
             let high = max(a.xy, b.xy);
             let slack = frame.map_margin
-                + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
+                + 4e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
             rect = requested_part(cells_touched(low - slack, high + slack, vec2(frame.map_size)));
         }
         // The same in every view.

@@ -89,7 +89,7 @@ fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32
     }
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
-    let slack = frame.map_margin + 1e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
+    let slack = frame.map_margin + 4e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let touched = cells_touched(low - slack, high + slack, vec2(frame.map_size));
     return select(touched, pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))),
         ends_beyond(low, high) != 0u);

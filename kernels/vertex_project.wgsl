@@ -5,7 +5,7 @@
 // three times w, and how much w is less than it would have to be, which is not above 0; 0 for one that
 // projects to no number).
 
-//@import frame dispatch finite
+//@import frame dispatch finite from_lamp
 
 const WORKGROUP = 64u;
 
@@ -44,10 +44,11 @@ fn project(
         map_points[v] = vec4(0.0);
         return;
     }
-    let uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    let q = from_lamp(p.xyz);
+    let uvz = vec3(dot(frame.map_u, q), dot(frame.map_v, q), dot(frame.map_z, q));
     var seen = vec4(uvz, 1.0);
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
-        let w = dot(frame.map_w, p);
+        let w = dot(frame.map_w, q);
         seen = vec4(uvz / w, w);
         if !(w > frame.light_low.w) { seen = vec4(uvz, min(w - frame.light_low.w, 0.0)); }
     }

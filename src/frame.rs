@@ -17,6 +17,8 @@ shared_struct! {
         pub light: [f32; 4],
         /// Remainder of the light beyond `f32`; `w`: nearest distance along the light view's axis.
         pub light_low: [f32; 4],
+        /// Point from which the rows of the light view take points: the light's, 0 of a directional one.
+        pub lamp: [f32; 4],
         /// Direction through the image's top left corner; `w`: the largest component of any ray of the image.
         pub ray_corner: [f32; 4],
         /// Change of direction for one pixel to the right.
@@ -180,6 +182,7 @@ impl Frame {
             eye_low: eye_low.extend(v.clear_of_rounding()).as_vec4().into(),
             light: light_high.extend(l.w).as_vec4().into(),
             light_low: light_low.extend(v.near).as_vec4().into(),
+            lamp: v.lamp_of_rows().extend(0.0).as_vec4().into(),
             ray_corner: rays.corner.extend(widest).as_vec4().into(),
             ray_x: rays.step_x.extend(0.0).as_vec4().into(),
             ray_y: rays.step_y.extend(0.0).as_vec4().into(),
@@ -190,10 +193,10 @@ impl Frame {
             },
             pixel_x: across(rays.step_x).as_vec4().into(),
             pixel_y: across(rays.step_y).as_vec4().into(),
-            map_u: v.u.as_vec4().into(),
-            map_v: v.v.as_vec4().into(),
-            map_z: v.z.as_vec4().into(),
-            map_w: v.w.as_vec4().into(),
+            map_u: v.row_from_lamp(v.u).as_vec4().into(),
+            map_v: v.row_from_lamp(v.v).as_vec4().into(),
+            map_z: v.row_from_lamp(v.z).as_vec4().into(),
+            map_w: v.row_from_lamp(v.w).as_vec4().into(),
             back_u: back.x_axis.as_vec4().into(),
             back_v: back.y_axis.as_vec4().into(),
             back_z: back.z_axis.as_vec4().into(),

@@ -89,8 +89,8 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
     let outline = e.outline;
     if !is_clamped() && !outline.whole { keep_own_triangle(f, shape.given.xyz, pixel_ray(pixel)); }
     if (frame.flags & FLAG_NOTHING_CASTS) != 0u { return STATE_LIT; }
-    let low = select(vec2(-3.0e38), outline.low, outline.in_front);
-    let high = select(vec2(3.0e38), outline.high, outline.in_front);
+    let low = select(vec2(-3.0e38), outline.low, outline.known);
+    let high = select(vec2(3.0e38), outline.high, outline.known);
     var farthest = select(3.0e38, outline.farthest, outline.in_front & !hidden);
     var nearest = outline.nearest;
     var margin = frame.map_margin;
@@ -120,7 +120,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
             let state = behind_splits(r, nearest, inside);
             if state != STATE_UNDECIDED { return state | WAS_SETTLED; }
         } else if unmarked {
-            let p = vec4(e.ray * e.depth, 1.0);
+            let p = from_lamp(e.ray * e.depth);
             var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
             if (frame.flags & FLAG_PERSPECTIVE) != 0u { uvz /= dot(frame.map_w, p); }
             let texel = floor(uvz.xy);
@@ -132,7 +132,7 @@ fn state_of(f: u32, shape: Shape, turns: vec2<f32>, merged: bool, found: ptr<fun
         }
     }
     *found = Found(e, low - margin, high + margin, farthest, rect, span, true);
-    return select(STATE_UNDECIDED, STATE_UNDECIDED | WAS_HELD, inside && outline.in_front);
+    return select(STATE_UNDECIDED, STATE_UNDECIDED | WAS_HELD, inside && outline.known);
 }
 
 // Depth from the light over texels on a plane, as (per x, per y, at 0) and how far it may be off.

@@ -6,9 +6,9 @@ pub mod axis_density {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/map_footprint", "shared/raster/axis_table", "axis_density",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/map_footprint", "shared/raster/axis_table", "axis_density",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -132,9 +132,10 @@ pub mod candidate_pairs {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/facet/facet", "shared/facet/facet_outline", "shared/frame/facing",
-        "candidate_pairs/facet_quad", "shared/raster/candidates", "shared/raster/rect", "shared/raster/places",
-        "shared/raster/tile_cells", "shared/frame/frame_copy", "candidate_pairs/caster_effect", "candidate_pairs",
+        "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/from_lamp", "shared/facet/facet_outline",
+        "shared/frame/facing", "candidate_pairs/facet_quad", "shared/raster/candidates", "shared/raster/rect",
+        "shared/raster/places", "shared/raster/tile_cells", "shared/frame/frame_copy",
+        "candidate_pairs/caster_effect", "candidate_pairs",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -304,9 +305,9 @@ pub mod deep_shadows {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/raster/deep_nodes", "deep_shadows",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/raster/deep_nodes", "deep_shadows",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -371,7 +372,7 @@ pub mod facet_classify {
         "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
         "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
         "shared/raster/summed_area", "shared/frame/frame_copy", "shared/roles", "facet_classify/facet_samples",
-        "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
+        "shared/frame/from_lamp", "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
         "facet_classify/facet_place", "facet_classify",
     }
     constants! {
@@ -569,9 +570,9 @@ pub mod history {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/view_choice", "history",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/view_choice", "history",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -633,9 +634,10 @@ pub mod kept_triangles {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/beside", "shared/alpha", "shared/frame/mapped_view", "kept_triangles",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/beside", "shared/alpha", "shared/frame/mapped_view",
+        "kept_triangles",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -857,9 +859,9 @@ pub mod moment_shadows {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/raster/front_split", "shared/raster/moments", "moment_shadows",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/raster/front_split", "shared/raster/moments", "moment_shadows",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -956,9 +958,9 @@ pub mod page_query {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/raster/page_tree", "page_query",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/raster/page_tree", "page_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -998,10 +1000,10 @@ pub mod page_refinement {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/map_footprint", "shared/raster/page_tree", "shared/facet/page_asked", "shared/frame/pass",
-        "page_refinement",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/map_footprint", "shared/raster/page_tree", "shared/facet/page_asked",
+        "shared/frame/pass", "page_refinement",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1065,9 +1067,9 @@ pub mod page_requests {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/map_footprint", "shared/raster/page_tree", "shared/facet/page_asked",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/map_footprint", "shared/raster/page_tree", "shared/facet/page_asked",
         "shared/raster/summed_area", "page_requests",
     }
     constants! {
@@ -1369,7 +1371,7 @@ pub mod pixel_texel_pairs {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/math/divide",
         "shared/raster/rect", "shared/raster/work_items", "shared/frame/pixel_ray", "shared/facet/facet",
-        "shared/facet/facet_outline", "shared/frame/facing", "shared/raster/front_split",
+        "shared/frame/from_lamp", "shared/facet/facet_outline", "shared/frame/facing", "shared/raster/front_split",
         "shared/facet/only_receiver", "shared/raster/block_bits", "shared/raster/places", "shared/raster/append",
         "shared/raster/map_ends", "shared/frame/frame_copy", "pixel_texel_pairs",
     }
@@ -1556,8 +1558,8 @@ pub mod pixel_views {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/pass", "shared/frame/facing",
-        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
-        "shared/facet/receiver", "shared/facet/view_choice", "pixel_views",
+        "shared/frame/from_lamp", "shared/math/divide", "shared/frame/pixel_ray", "shared/roles",
+        "shared/raster/paraboloid", "shared/facet/receiver", "shared/facet/view_choice", "pixel_views",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1606,9 +1608,9 @@ pub mod polygon_ids {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/facet/beside", "polygon_ids",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/facet/beside", "polygon_ids",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1724,7 +1726,7 @@ pub mod requested_blocks {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing", "shared/math/double_float",
         "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/front_split", "shared/facet/only_receiver",
-        "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
+        "shared/frame/from_lamp", "shared/raster/view_sides", "shared/facet/facet_box", "shared/facet/facet_extent",
         "shared/frame/frame_copy", "requested_blocks",
     }
     constants! {
@@ -1809,9 +1811,9 @@ pub mod sample_bins {
         "shared/raster/rect", "shared/raster/work_items", "shared/raster/undivided", "shared/raster/conservative",
         "shared/raster/span", "shared/frame/pixel_ray", "shared/facet/facet", "shared/frame/facing",
         "shared/math/double_float", "shared/frame/vertex", "shared/frame/facing_46", "shared/raster/map_ends",
-        "shared/frame/frame_copy", "shared/lines/shadow_lines", "shared/lines/shadow_lines_46", "shared/alpha",
-        "shared/roles", "shared/lines/shadow_ray", "sample_bins/mesh_caster", "sample_bins/bin_tests",
-        "sample_bins",
+        "shared/frame/from_lamp", "shared/frame/frame_copy", "shared/lines/shadow_lines",
+        "shared/lines/shadow_lines_46", "shared/alpha", "shared/roles", "shared/lines/shadow_ray",
+        "sample_bins/mesh_caster", "sample_bins/bin_tests", "sample_bins",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2095,10 +2097,11 @@ pub mod seen_texels {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/spsm/seen_texels", "shared/math/cross_sign", "shared/spsm/spsm_record", "shared/spsm/spsm_sheet",
-        "shared/spsm/spsm_border", "shared/spsm/spsm_footprint", "shared/spsm/spsm_settle", "seen_texels",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/spsm/seen_texels", "shared/math/cross_sign", "shared/spsm/spsm_record",
+        "shared/spsm/spsm_sheet", "shared/spsm/spsm_border", "shared/spsm/spsm_footprint",
+        "shared/spsm/spsm_settle", "seen_texels",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2157,8 +2160,9 @@ pub mod shadow_map {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver", "shadow_map",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shadow_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2289,9 +2293,9 @@ pub mod silhouette_map {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "silhouette_map",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "silhouette_map",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2402,9 +2406,9 @@ pub mod smsr {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "smsr/map_borders", "smsr",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "smsr/map_borders", "smsr",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2629,9 +2633,9 @@ pub mod spsm_query {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/cross_sign",
-        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "shared/math/divide", "shared/frame/pixel_ray",
-        "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver", "shared/spsm/spsm_sheet",
-        "shared/spsm/spsm_border", "spsm_query/spsm_search", "shared/spsm/spsm_footprint",
+        "shared/spsm/spsm_record", "shared/spsm/seen_texels", "shared/frame/from_lamp", "shared/math/divide",
+        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
+        "shared/spsm/spsm_sheet", "shared/spsm/spsm_border", "spsm_query/spsm_search", "shared/spsm/spsm_footprint",
         "shared/spsm/spsm_settle", "spsm_query/spsm_recovery", "spsm_query",
     }
     constants! {
@@ -2933,8 +2937,8 @@ pub mod triangle_setup {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
-        "shared/frame/facing", "shared/raster/view_sides", "shared/raster/map_ends", "shared/raster/requested_part",
-        "shared/roles", "shared/frame/frame_copy", "triangle_setup",
+        "shared/frame/facing", "shared/frame/from_lamp", "shared/raster/view_sides", "shared/raster/map_ends",
+        "shared/raster/requested_part", "shared/roles", "shared/frame/frame_copy", "triangle_setup",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -3061,8 +3065,8 @@ pub mod vertex_project {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/math/finite", "shared/frame/frame_copy",
-        "vertex_project",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/math/finite", "shared/frame/from_lamp",
+        "shared/frame/frame_copy", "vertex_project",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -3277,9 +3281,9 @@ pub mod warped_query {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/math/divide",
-        "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid", "shared/facet/receiver",
-        "shared/raster/axis_table", "warped_query",
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/facing", "shared/frame/from_lamp",
+        "shared/math/divide", "shared/frame/pixel_ray", "shared/roles", "shared/raster/paraboloid",
+        "shared/facet/receiver", "shared/raster/axis_table", "warped_query",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,

@@ -168,6 +168,7 @@ impl LightView {
             closed: false,
             outside: false,
             paraboloid: None,
+            lamp: None,
         }
     }
 
@@ -215,6 +216,7 @@ impl LightView {
             closed: false,
             outside: false,
             paraboloid: None,
+            lamp: Some(light),
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) use points::MeshAndTree;
 use seen_box::SeenBox;
 pub use split_plan::{PartBy, SplitPlan, Warp};
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec3, DVec4};
 
 /// Rows that take a world point `p` to the light view: texel `x = u·(p,1) / w·(p,1)`, likewise `y` and `depth`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +59,8 @@ pub struct LightView {
     /// Where the light is, of a [paraboloid view](LightView::paraboloids). Of a point `d` away from it, as far as `D`, texel `x` is
     /// `u.w + u·d / (D + w·d)`, likewise `y`, and depth `D` times `z.w`.
     pub paraboloid: Option<DVec3>,
+    /// Where the light is, of any other view of a light at a point: there texel rows and divisor are 0.
+    pub lamp: Option<DVec3>,
 }
 
 /// Share of its width by which a view is wider than a side of a cube or a cone: what lies on an edge of the cube lies well inside both views.
@@ -153,13 +155,24 @@ impl LightView {
             w: turn(self.w) * unit,
             near: self.near * unit,
             clear: self.clear * unit,
+            lamp: self.lamp.map(|lamp| (lamp - origin) * scale),
             ..*self
         };
         if self.perspective {
             // Nearer than this, rounding could move a vertex by more than a quarter of a texel.
-            moved.near = moved.near.max(4.0 * moved.noise_in_texels().max(64.0 * moved.noise_in_depth()));
+            moved.near = moved.near.max(4.0 * moved.noise_in_texels().even.max(64.0 * moved.noise_in_depth().even));
         }
         moved
+    }
+
+    /// The row as kernels take it, of points seen from the light where that is at a point (`kernels/shared/frame/from_lamp.wgsl`).
+    pub fn row_from_lamp(&self, row: DVec4) -> DVec4 {
+        row.truncate().extend(row.dot(self.lamp_of_rows().extend(1.0)))
+    }
+
+    /// Point from which those rows take points: the light's in `f32`, of a light without a place the origin.
+    pub fn lamp_of_rows(&self) -> DVec3 {
+        self.lamp.map_or(DVec3::ZERO, |lamp| lamp.as_vec3().as_dvec3())
     }
 
     /// Nearest divisor for methods whose answers are not exact, in the space of an eye: what lies nearer casts nothing, which is worse than corners that
@@ -168,29 +181,80 @@ impl LightView {
     pub(crate) fn nearest_of_maps(&self, eye: DVec3, bounds: (DVec3, DVec3)) -> f32 {
         let scale = unit_scale(eye, bounds);
         let fitted = self.near * if self.perspective { scale } else { 1.0 };
-        (self.relative_to(eye, scale).near / 64.0).max(fitted) as f32
+        (self.relative_to(eye, scale).near / 8.0).max(fitted) as f32
     }
 
     /// Bound of the rounding in `f32` of a texel coordinate of points within the unit cube, times the divisor.
-    pub fn noise_in_texels(&self) -> f64 {
-        row_noise(self.u).max(row_noise(self.v)) + row_noise(self.w) * f64::from(self.map_size)
+    pub fn noise_in_texels(&self) -> Noise {
+        let spread = self.spread_at_one();
+        let noise = |row| self.row_noise(row, spread);
+        noise(self.u).or(noise(self.v)).and(noise(self.w).times(f64::from(self.map_size)))
     }
 
     /// Likewise of a depth.
-    pub fn noise_in_depth(&self) -> f64 {
-        row_noise(self.z) + row_noise(self.w)
+    pub fn noise_in_depth(&self) -> Noise {
+        let spread = self.spread_at_one();
+        self.row_noise(self.z, spread).and(self.row_noise(self.w, spread))
     }
 
     /// Margins of tests of points within the unit cube.
     pub fn margins(&self) -> Margins {
         // The least divisor makes the most of rounding.
         let divisor = if self.perspective { self.near } else { 1.0 };
-        Margins { texels: 1.0 / 64.0 + self.noise_in_texels() / divisor, depth: 1e-6 + self.noise_in_depth() / divisor }
+        let [texels, depth] = [self.noise_in_texels(), self.noise_in_depth()].map(|n| n.even / divisor + n.by_divisor);
+        Margins { texels: 1.0 / 64.0 + texels, depth: 1e-6 + depth }
     }
 
     /// Lower bound of a caster's divisor within the unit cube, after `f32` rounding.
     pub fn clear_of_rounding(&self) -> f64 {
         if self.perspective { self.clear * (1.0 - 1e-6) - row_noise(self.w) } else { 0.0 }
+    }
+
+    /// Rounding of the product of a row and a point of the unit cube, with room to spare. Seen from a light at a point, it is that of the light's own
+    /// place, to the next power of two, and more in proportion to the distance from it: in the view that is at most `spread` for a divisor of 1.
+    fn row_noise(&self, row: DVec4, spread: DVec3) -> Noise {
+        let Some(lamp) = self.lamp else { return Noise { even: row_noise(row), by_divisor: 0.0 } };
+        let (own, across) = (self.row_from_lamp(row), row.truncate().abs());
+        let place = (2.0 * power_of_two_below(lamp.abs().max_element())).min(1.0);
+        Noise {
+            even: 2f64.powi(-22) * (across.element_sum() * place + own.w.abs()),
+            by_divisor: 3.0 * 2f64.powi(-22) * across.dot(spread),
+        }
+    }
+
+    /// How far, along each axis, points of the view with a divisor of 1 lie from the light at most, and a quarter more; 0 of a light without a place.
+    fn spread_at_one(&self) -> DVec3 {
+        if self.lamp.is_none() {
+            return DVec3::ZERO;
+        }
+        let rows = [self.u, self.v, self.w].map(DVec4::truncate);
+        let back = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse();
+        let size = f64::from(self.map_size);
+        let corners = [(0.0, 0.0), (size, 0.0), (0.0, size), (size, size)].map(|(x, y)| back * DVec3::new(x, y, 1.0));
+        1.25 * corners.into_iter().fold(DVec3::ZERO, |most, corner| most.max(corner.abs()))
+    }
+}
+
+/// Rounding in `f32`, times the divisor: of all points alike, and for each unit of the divisor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Of all points.
+    pub even: f64,
+    /// For each unit of the divisor.
+    pub by_divisor: f64,
+}
+
+impl Noise {
+    fn or(self, other: Self) -> Self {
+        Self { even: self.even.max(other.even), by_divisor: self.by_divisor.max(other.by_divisor) }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self { even: self.even + other.even, by_divisor: self.by_divisor + other.by_divisor }
+    }
+
+    fn times(self, by: f64) -> Self {
+        Self { even: self.even * by, by_divisor: self.by_divisor * by }
     }
 }
 
@@ -238,6 +302,58 @@ mod tests {
             let (a, b) = (view.project(p).unwrap(), moved.project((p - origin) * 0.125).unwrap());
             assert!((a - b).length() < 1e-9, "{a} {b}");
         }
+    }
+
+    /// In a wide world, 32 bits stay within the margins all through the views of a lamp; 16 do not.
+    #[test]
+    fn rounding_next_to_a_lamp_is_within_the_margins() {
+        let mut mesh = scene();
+        let low = mesh.positions.len() as u32;
+        mesh.positions.extend([[-300.0, -0.1, -300.0], [300.0, -0.1, -300.0], [0.0, -0.1, 300.0]]);
+        mesh.triangles.push([low, low + 1, low + 2]);
+        let light = Light::Point { position: [0.3, 0.6, 0.7] };
+        let eye = DVec3::new(40.0, 3.0, -60.0);
+        let scale = unit_scale(eye, mesh.bounds().unwrap());
+        let mut state = 7u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        let [mut worst, mut coarse] = [[0.0f64; 2]; 2];
+        for view in LightView::cube(&mesh, &light, 1024).unwrap() {
+            let v = view.relative_to(eye, scale);
+            let (lamp, margins) = (v.lamp.unwrap(), v.margins());
+            assert!(margins.texels < 0.3 && v.near < 2.0 * scale, "{margins:?} {}", v.near / scale);
+            let (taken_from, size) = (v.lamp_of_rows().as_vec3(), DVec3::splat(1024.0));
+            let [right, down, along] = [v.u, v.v, v.w].map(DVec4::truncate);
+            let back = DMat3::from_cols(right, down, along).transpose().inverse();
+            for _ in 0..4000 {
+                let at = DVec3::new(next() * size.x, next() * size.y, 1.0);
+                let divisor = v.near * (1.0 / v.near).powf(next());
+                let p = lamp + back * at * divisor;
+                if p.abs().max_element() > 1.0 {
+                    continue;
+                }
+                let rounded = p.as_vec3();
+                let told = |rows: [DVec4; 4], q: glam::Vec3| {
+                    let [x, y, z, w] = rows.map(|row| row.as_vec4().dot(q.extend(1.0)));
+                    DVec3::new(f64::from(x / w), f64::from(y / w), f64::from(z / w))
+                };
+                let exact = v.project(p).unwrap_or_else(|| at.truncate().extend(0.0));
+                let off = |worst: &mut [f64; 2], told: DVec3| {
+                    let off = (told - exact).abs();
+                    *worst = [worst[0].max(off.x.max(off.y) / margins.texels), worst[1].max(off.z / margins.depth)];
+                };
+                let rows = [v.u, v.v, v.z, v.w].map(|row| v.row_from_lamp(row));
+                if v.w.dot(p.extend(1.0)) > v.near {
+                    let seen = |p: glam::Vec3| told(rows, p - taken_from);
+                    off(&mut worst, seen(rounded));
+                    off(&mut coarse, seen((rounded * 65536.0).round() / 65536.0));
+                }
+            }
+        }
+        assert!(worst.iter().all(|&w| w < 1.0) && worst[0] > 0.01, "{worst:?} of the margins");
+        assert!(coarse[0] > 1.0, "{coarse:?} of the margins");
     }
 
     #[test]

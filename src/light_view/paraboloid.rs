@@ -85,6 +85,7 @@ impl LightView {
             closed: false,
             outside: false,
             paraboloid: Some(at),
+            lamp: None,
         }
     }
 

@@ -137,7 +137,8 @@ impl LightView {
         let bent = self.perspective && plan.warp != Warp::Whole;
         let plan = SplitPlan { warp: if bent { Warp::Box } else { plan.warp }, ..*plan };
         // Rounding stays a fraction of a texel, and what casts in front.
-        let allowed = if self.perspective { whole.noise_in_texels().max(whole.clear / 8.0) } else { 0.1 * scale };
+        let even = if self.perspective { whole.noise_in_texels().even.max(whole.clear / 8.0) } else { 0.1 * scale };
+        let by_divisor = whole.noise_in_texels().by_divisor.max(0.25);
         let of_slice = |split: &SplitView| {
             let SplitView { rows: [u, v, w], .. } = split_view(self, &split.seen, split.warp, split.end);
             // Nowhere in the slice is the divisor of the warp less than 1.
@@ -147,7 +148,7 @@ impl LightView {
             let slice =
                 Self { u, v, w, near, clear, perspective: true, one_of_several: true, ends: [false; 4], ..*self };
             let noise = slice.relative_to(rays.eye, scale).noise_in_texels();
-            (slice, (allowed / noise).min(1.0))
+            (slice, (even / noise.even).min(by_divisor / noise.by_divisor).min(1.0))
         };
         // The strongest warp whose texels are large enough, if one of them has such.
         let weaker = |warped: &SplitView| {

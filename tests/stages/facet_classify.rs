@@ -314,6 +314,39 @@ fn degenerate() {
     check(&world, &world.seen(), 10, &mut random);
 }
 
+/// Facets nearer to a lamp than its view's nearest distance touch the texels that they may be in, not all of the map.
+#[gpu_test]
+fn next_to_the_light() {
+    let mut random = Random::new(31);
+    let (mut near, mut small) = (0, 0);
+    for round in 0..24 {
+        let mesh = soup(600, 0.05, &mut random);
+        let light = Light::Point { position: (vector(&mut random) * 0.3).as_vec3().into() };
+        // Of an eye far away rounding is large next to the lamp.
+        let eye = vector(&mut random).normalize() * 60.0;
+        let map = [130, 512, 1024][round % 3];
+        let world = World::new(gpu(), &mesh, camera(eye, eye * 0.01, 2.0), light, [96, 72], map, samples(16));
+        let listed = world.seen();
+        check(&world, &listed, 100, &mut random);
+        let marked = vec![true; (map as usize).pow(2)];
+        let around = MapAround {
+            triangles: &world.triangles,
+            marked: &marked,
+            splits: &[],
+            samples: world.samples.offsets(),
+            casters: world.frame.triangle_count,
+        };
+        for facet in reference::classify(&world.view, &around, &listed, world.margin(), false) {
+            let Some([x0, y0, x1, y1]) = facet.rect.filter(|_| !facet.open && !facet.outline.in_front) else {
+                continue;
+            };
+            near += 1;
+            small += usize::from((x1 - x0 + 1) * (y1 - y0 + 1) < map * map / 16);
+        }
+    }
+    assert!(near > 40 && small > 20, "{small} of {near} facets next to the light are small");
+}
+
 /// Small triangles far away, so nearly in a plane with the light, or with the eye, that the side is lost in the rounding of
 /// single precision, but not in the vertices as given: dark and seen as `f64` says.
 #[gpu_test]

@@ -4,6 +4,7 @@
 use crate::support::shadow::{World, camera, folding_gpu, random_light, random_scene, samples, unit, vector};
 use crate::support::{Random, gpu, sizes_around};
 use oracle::reference::facet_classify::{FacetAtPixel, MapAround, classify};
+use oracle::reference::front_layer::Margin;
 use oracle::reference::requested_blocks::blocks_of;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::glam::DVec3;
@@ -19,16 +20,22 @@ type Listed = Vec<(u32, Option<u32>)>;
 
 /// The facets as they are defined, none settled, with so many margins.
 fn defined(world: &World, listed: &[(u32, Option<u32>)], times: f64) -> Vec<FacetAtPixel> {
+    within(world, listed, world.margin().times(times))
+}
+
+fn within(world: &World, listed: &[(u32, Option<u32>)], margin: Margin) -> Vec<FacetAtPixel> {
     let marked = vec![true; (world.view.map.map_size as usize).pow(2)];
     let (casters, samples) = (world.frame.triangle_count, world.samples.offsets());
     let around = MapAround { triangles: &world.triangles, marked: &marked, splits: &[], samples, casters };
-    classify(&world.view, &around, listed, world.margin().times(times), false)
+    classify(&world.view, &around, listed, margin, false)
 }
 
 /// Facets of which it is certain what they ask.
 fn certain(world: &World, listed: Listed) -> Listed {
     let defined = defined(world, &listed, 1.0);
-    listed.into_iter().zip(defined).filter(|(_, facet)| !facet.open).map(|(part, _)| part).collect()
+    // Next to the light a little more of the pixel reaches far.
+    let near = |facet: &FacetAtPixel| facet.outline.blurred.iter().any(|(_, off)| *off > 1.0);
+    listed.into_iter().zip(defined).filter(|(_, facet)| !facet.open && !near(facet)).map(|(part, _)| part).collect()
 }
 
 fn rects(facets: &[FacetAtPixel]) -> Vec<[u32; 4]> {
@@ -45,7 +52,10 @@ fn grown([x0, y0, x1, y1]: [u32; 4], size: u32) -> [u32; 4] {
 fn fault(world: &World, listed: &[(u32, Option<u32>)], words: &[u32]) -> (Option<String>, usize) {
     let size = world.view.map.map_size;
     let least = blocks_of(rects(&defined(world, listed, 0.0)), size);
-    let most = blocks_of(rects(&defined(world, listed, 4.0)).into_iter().map(|rect| grown(rect, size)), size);
+    // A little more of the pixel than of which they are defined.
+    let wide = world.margin().times(4.0);
+    let wide = Margin { texels: wide.texels + 0.25, ..wide };
+    let most = blocks_of(rects(&within(world, listed, wide)).into_iter().map(|rect| grown(rect, size)), size);
     let across = size.div_ceil(8) as usize;
     if words.len() != RequestedBlocks::words(size as usize) || words[0] != 1 {
         return (Some(format!("{} words, the first {}", words.len(), words[0])), 0);
@@ -165,7 +175,7 @@ fn degenerate() {
             let light = Light::Spot { position, target: [0.3, 0.2, 5.0], angle_degrees: 60.0 };
             let world = World::new(gpu(), &mesh, camera(eye, eye * 0.1, 60.0), light, [24, 18], map, samples(16));
             let listed = world.anything(300, &mut random);
-            let behind = |facet: &FacetAtPixel| !facet.open && !facet.outline.in_front && facet.rect.is_some();
+            let behind = |facet: &FacetAtPixel| !facet.open && !facet.outline.known && facet.rect.is_some();
             let at = defined(&world, &listed, 1.0).iter().position(behind);
             if let Some(k) = at {
                 found = Some((world, listed[k]));

@@ -29,6 +29,11 @@ fn fault(case: &Case, ran: &Ran) -> Option<String> {
                 }
                 continue;
             };
+            // Seen from so far away it is no number.
+            let lamp = map.lamp.map_or(0.0, |lamp| lamp.abs().max_element());
+            if got == DVec4::ZERO && [map.u, map.v, map.z].iter().any(|row| row.abs().max_element() * lamp > 1e37) {
+                continue;
+            }
             // The near plane itself may go either way.
             let p = p.extend(1.0);
             let short = map.w.dot(p) - map.near;

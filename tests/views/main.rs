@@ -7,7 +7,7 @@ use lab::report::{FacetErrors, FacetSet};
 use lab::scene::{Scene, builtin};
 use oracle::engine;
 use oracle::truth::{SceneTruth, Tracer, join_mask};
-use rooms::{point, room, scenes};
+use rooms::{point, room, scenes, wide};
 use std::collections::HashMap;
 use std::num::NonZeroU32;
 use std::sync::{Arc, OnceLock};
@@ -477,4 +477,16 @@ fn methods_are_their_parts_together() {
     let shadow_map = visibility(&scenes[0].1, MethodName::ShadowMap, &settings).expect("a frame");
     assert!((0..10).all(|k| pictures[k] != shadow_map && (0..k).all(|j| pictures[j] != pictures[k] || k - j == 1)));
     assert_eq!([0, 2, 4, 6, 8].map(|k| pictures[k] == pictures[k + 1]), [true, true, true, false, false]);
+}
+
+/// Next to a lamp in a wide world facets and casters touch few texels: their places there are known as well as the lamp's.
+#[gpu_test]
+fn a_lamp_in_a_wide_world_costs_few_pairs() {
+    let scene = wide();
+    let of = |map| render(&scene, &Settings { map, ..settings(FacetMode::All, 32) });
+    let [coarse, fine] = [64, 512].map(of);
+    assert_eq!(coarse.lit, fine.lit, "another picture by a finer map");
+    let counts = [coarse, fine].map(|o| [o.counts.pixel_texel_pairs, o.counts.triangle_texel_pairs]);
+    println!("{counts:?} pairs");
+    assert!(counts[1].iter().sum::<u64>() < 1_000_000, "{counts:?} pairs");
 }

@@ -46,6 +46,16 @@ fn hall() -> Scene {
     scene
 }
 
+/// Spheres around a lamp over a ground that is wide beside them.
+pub fn wide() -> Scene {
+    let mut scene = builtin("spheres").expect("a built-in scene");
+    let far = 60.0;
+    let corners = [[-far, -0.53, -far], [far, -0.53, -far], [far, -0.53, far], [-far, -0.53, far]];
+    add(&mut scene.mesh, &corners, &[[0, 2, 1], [0, 3, 2]]);
+    scene.light = point([0.8, 1.9, 0.9]);
+    scene
+}
+
 /// Rooms, and built-in scenes with a lamp in their midst.
 pub fn scenes() -> Vec<(&'static str, Scene)> {
     let with = |name: &'static str, light| (name, Scene { light, ..builtin(name).expect("a built-in scene") });

@@ -1,6 +1,6 @@
 // The box of a facet's outline in the light view.
 
-//@import frame facet view_sides
+//@import frame facet from_lamp view_sides
 //@needs var<uniform> frame: Frame;
 
 // The box of the outline, without its corners.
@@ -12,24 +12,32 @@ struct OutlineBox {
     ahead: f32,      // largest divisor
     beyond: u32,     // sides of the view that all of it lies beyond, of a light at a point
     in_front: bool,
+    known: bool,     // nearer to it, too: its corners are off by BLUR texels at most, which the box holds
     whole: bool,
 }
 
-const NO_BOX = OutlineBox(vec2(3.0e38), vec2(-3.0e38), 3.0e38, -3.0e38, -3.0e38, 15u, true, true);
+const NO_BOX = OutlineBox(vec2(3.0e38), vec2(-3.0e38), 3.0e38, -3.0e38, -3.0e38, 15u, true, true, true);
+const BLUR = 4.0;
 
 fn box_add(out: ptr<function, OutlineBox>, point: vec3<f32>) {
-    let p = vec4(point, 1.0);
+    let p = from_lamp(point);
     var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
+    var blur = 0.0;
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {
         let w = dot(frame.map_w, p);
-        if w <= frame.light_low.w { (*out).in_front = false; }
+        if w <= frame.light_low.w {
+            (*out).in_front = false;
+            // At the nearest distance rounding is a quarter of a texel.
+            blur = 0.25 * frame.light_low.w / w;
+            if !(frame.light.w != 0.0 && w > 0.0 && blur <= BLUR) { (*out).known = false; }
+        }
         (*out).beyond &= sides_beyond(point);
         (*out).ahead = max((*out).ahead, w);
         uvz /= w;
     }
     (*out).nearest = min((*out).nearest, uvz.z);
-    (*out).low = min((*out).low, uvz.xy);
-    (*out).high = max((*out).high, uvz.xy);
+    (*out).low = min((*out).low, uvz.xy - blur);
+    (*out).high = max((*out).high, uvz.xy + blur);
     (*out).farthest = max((*out).farthest, uvz.z);
 }
 
@@ -65,13 +73,13 @@ fn facet_box(pixel: u32, span: vec4<f32>, plane: vec4<f32>, limit: f32) -> Outli
     return out;
 }
 
-// Cuts the box to that of the triangle, if all of it lies in front of the light.
+// Cuts the box to that of the triangle, if it is known where all of that lies.
 fn cut_to_triangle(out: ptr<function, OutlineBox>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) {
     var own = NO_BOX;
     box_add(&own, a);
     box_add(&own, b);
     box_add(&own, c);
-    if !own.in_front { return; }
+    if !own.known { return; }
     let extent = max(abs(own.low), abs(own.high));
     let slack = 1e-6 * max(extent.x, extent.y);
     own.low -= slack;
@@ -79,11 +87,13 @@ fn cut_to_triangle(out: ptr<function, OutlineBox>, a: vec3<f32>, b: vec3<f32>, c
     // A plane that is hardly known may miss its own triangle.
     let low = max((*out).low, own.low);
     let high = min((*out).high, own.high);
-    if (*out).in_front && all(low <= high) {
+    if (*out).known && all(low <= high) {
         own.low = low;
         own.high = high;
-        own.farthest = min((*out).farthest, own.farthest);
+        if (*out).in_front && own.in_front { own.farthest = min((*out).farthest, own.farthest); }
+        if !own.in_front { own.farthest = (*out).farthest; }
     }
+    own.in_front |= (*out).in_front;
     own.whole = (*out).whole;
     *out = own;
 }

@@ -82,10 +82,9 @@ fn is_merged(f: u32) -> bool {
     return is_clamped() && (facets[f].state == STATE_MERGED || (facets[f].state & WAS_MERGED) != 0u);
 }
 
-// The texels that an outline, grown by a margin, may touch: all of them where it is not in front of the
-// light.
+// The texels that an outline, grown by a margin, may touch: all of them where its place is not known.
 fn texels_of(outline: OutlineBox, margin: f32) -> vec2<u32> {
-    if !outline.in_front { return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))); }
+    if !outline.known { return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))); }
     return cells_touched(outline.low - margin, outline.high + margin, vec2(frame.map_size));
 }
 

@@ -1,6 +1,6 @@
 // The outline of a facet in the light view.
 
-//@import frame facet
+//@import frame facet from_lamp
 //@needs var<uniform> frame: Frame;
 
 // Corners in order around, in texels; where there are less than five, one of them again for the others.
@@ -15,7 +15,7 @@ struct Outline {
 
 // Its place in the light view, and whether that is in front of the light.
 fn seen_from_light(point: vec3<f32>) -> vec3<f32> {
-    let p = vec4(point, 1.0);
+    let p = from_lamp(point);
     let uv = vec2(dot(frame.map_u, p), dot(frame.map_v, p));
     if (frame.flags & FLAG_PERSPECTIVE) == 0u { return vec3(uv, 1.0); }
     let w = dot(frame.map_w, p);

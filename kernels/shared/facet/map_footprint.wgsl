@@ -30,7 +30,7 @@ fn map_footprint(pixel: u32) -> MapFootprint {
     let over = dot(r.normal, ray);
     let right = (r.height / over) * (frame.ray_x.xyz - ray * (dot(r.normal, frame.ray_x.xyz) / over));
     let down = (r.height / over) * (frame.ray_y.xyz - ray * (dot(r.normal, frame.ray_y.xyz) / over));
-    f.w = dot(frame.map_w, vec4(point.xyz, 1.0));
+    f.w = dot(frame.map_w, from_lamp(point.xyz));
     let u = frame.map_u.xyz - at.x * frame.map_w.xyz;
     let v = frame.map_v.xyz - at.y * frame.map_w.xyz;
     f.right = vec2(dot(u, right), dot(v, right)) / f.w;

@@ -1,7 +1,7 @@
 // Receiver of a pixel, for methods of one receiver a pixel: the plane of the triangle at its centre, and its
 // place in the light view.
 
-//@import frame facing pixel_ray roles paraboloid
+//@import frame facing from_lamp pixel_ray roles paraboloid
 //@needs var<uniform> frame: Frame;
 //@needs var<uniform> samples: array<vec4<f32>, 64>;
 //@needs var<storage, read> id_keys: array<u32>;
@@ -24,9 +24,10 @@ struct Receiver {
 
 fn depth_of(p: vec3<f32>) -> f32 {
     if is_paraboloid() { return paraboloid_depth(from_light(p)); }
-    let z = dot(frame.map_z, vec4(p, 1.0));
+    let q = from_lamp(p);
+    let z = dot(frame.map_z, q);
     if (frame.flags & FLAG_PERSPECTIVE) == 0u { return z; }
-    let w = dot(frame.map_w, vec4(p, 1.0));
+    let w = dot(frame.map_w, q);
     return select(3.0e38, z / w, w > frame.light_low.w);
 }
 
@@ -85,7 +86,7 @@ fn place_at(point: vec4<f32>) -> vec4<f32> {
         let seen = point.w != 0.0 && at.z > 0.0 && abs(at.x) < 3.0e38 && abs(at.y) < 3.0e38;
         return vec4(at.xy, paraboloid_depth(rel), select(0.0, 1.0, seen));
     }
-    let p = vec4(point.xyz, 1.0);
+    let p = from_lamp(point.xyz);
     var uvz = vec3(dot(frame.map_u, p), dot(frame.map_v, p), dot(frame.map_z, p));
     var front = point.w != 0.0;
     if (frame.flags & FLAG_PERSPECTIVE) != 0u {

@@ -9,6 +9,7 @@ struct Frame {
     light: vec4<f32>,        // homogeneous: direction towards the light and 0, or its point and 1
     // xyz: what f32 leaves out of the light; w: nearest distance along the light view's axis
     light_low: vec4<f32>,
+    lamp: vec4<f32>,         // xyz: a light's point, of a directional one 0
     ray_corner: vec4<f32>,   // direction through the image's top left corner
     ray_x: vec4<f32>,        // change of direction for one pixel to the right
     ray_y: vec4<f32>,        // change of direction for one pixel down
@@ -16,7 +17,7 @@ struct Frame {
     near_plane: vec4<f32>,   // inverse depth of the oblique near plane on a ray = dot(ray, xyz) + w
     pixel_x: vec4<f32>,      // image x of a point = dot(point, xyz) / dot(point, forward) + w
     pixel_y: vec4<f32>,
-    map_u: vec4<f32>,        // light view: texel x = (dot(point, xyz) + w) / light w
+    map_u: vec4<f32>,        // light view: texel x = dot(from_lamp(point), map_u) / light w
     map_v: vec4<f32>,
     map_z: vec4<f32>,        // depth from the light, 0 at the nearest caster, growing away from the light
     map_w: vec4<f32>,

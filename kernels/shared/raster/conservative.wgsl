@@ -90,11 +90,15 @@ fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     let qr = cross(q, r);
     let rp = cross(r, p);
     let det = dot(p, qr);
-    let noise = (off * (both.x + both.y + both.z) + 4e-6 * far.x * far.y * far.z) / size;
+    // What rounding does far from the light, more in a narrow view.
+    let one = vec3(1.0);
+    let across = max(dot(abs(frame.map_u.xyz), one), dot(abs(frame.map_v.xyz), one));
+    let share = 4e-6 + 2e-6 * (across / size + dot(abs(frame.map_w.xyz), one));
+    let noise = (off * (both.x + both.y + both.z) + 2.0 * share * far.x * far.y * far.z) / size;
     s.in_front = (frame.flags & FLAG_PERSPECTIVE) != 0u && abs(det) > noise;
     s.cut = true;
     let turn = select(-1.0, 1.0, det > 0.0);
-    let slack = off * (far + far.yzx) + 4e-6 * both;
+    let slack = off * (far + far.yzx) + share * both;
     s.edges[0] = line_beside(turn * pq, 0.5 + margin, slack.x);
     s.edges[1] = line_beside(turn * qr, 0.5 + margin, slack.y);
     s.edges[2] = line_beside(turn * rp, 0.5 + margin, slack.z);

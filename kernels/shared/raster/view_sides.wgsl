@@ -1,20 +1,22 @@
 // Which sides of the light's view a point lies beyond, also where it is not in front of the light. Of a
 // convex figure whose corners all lie beyond one side, nothing is in the view.
 
-//@import frame
+//@import frame from_lamp
 //@needs var<uniform> frame: Frame;
 
 fn sides_beyond(point: vec3<f32>) -> u32 {
-    let p = vec4(point, 1.0);
+    let p = from_lamp(point);
     let u = dot(frame.map_u, p);
     let v = dot(frame.map_v, p);
     let w = dot(frame.map_w, p);
     let size = f32(frame.map_size);
-    let a = abs(p);
+    // Of the point's own coordinates, and of those seen from the light.
+    let a = vec4(abs(p.xyz) + 0.25 * abs(point), 1.0);
     let noise = 4e-6 * (max(dot(abs(frame.map_u), a), dot(abs(frame.map_v), a))
         + size * dot(abs(frame.map_w), a));
     // Margins are those of the unit cube.
-    let slack = frame.map_margin * abs(w) * max(1.0, max(a.x, max(a.y, a.z))) + noise;
+    let reach = max(abs(point.x), max(abs(point.y), abs(point.z)));
+    let slack = frame.map_margin * abs(w) * max(1.0, reach) + noise;
     let beyond = select(vec4(0u), vec4(1u, 2u, 4u, 8u),
         vec4(-u, -v, u - size * w, v - size * w) > vec4(slack));
     return beyond.x | beyond.y | beyond.z | beyond.w;

@@ -1,6 +1,6 @@
 //! Which triangles of a facet's texels may cast on it or cut it.
 
-use super::facet_classify::{FacetAtPixel, bounds};
+use super::facet_classify::FacetAtPixel;
 use super::front_layer::Margin;
 use super::triangle_setup::{Reach, Triangle};
 use rayon::prelude::*;
@@ -40,12 +40,11 @@ pub fn matters(facet: &FacetAtPixel, triangle: &Triangle, margin: Margin) -> boo
     match triangle.map {
         Reach::Nowhere => false,
         Reach::Everywhere | Reach::Cut(_) => true,
-        Reach::Flat(_) if !facet.outline.in_front => true,
         Reach::Flat(flat) => {
-            let (low, high) = bounds(&facet.outline.corners);
+            let (low, high) = facet.outline.bounds(1.0);
             let (lo, hi) = flat.bounds();
             let apart = lo.cmpgt(high + margin.texels).any() || hi.cmplt(low - margin.texels).any();
-            !apart && flat.depths().0 <= facet.outline.farthest + margin.depth
+            !apart && (!facet.outline.in_front || flat.depths().0 <= facet.outline.farthest + margin.depth)
         }
     }
 }

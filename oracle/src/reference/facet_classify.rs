@@ -25,6 +25,10 @@ pub struct Outline {
     pub ahead: f64,
     /// All of it lies in front of the light.
     pub in_front: bool,
+    /// Where those corners lie that are nearer than that, and by how many texels 32 bits may be off there.
+    pub blurred: Vec<(DVec2, f64)>,
+    /// It is known where all corners lie.
+    pub known: bool,
     /// Every ray of the pixel meets the plane in front of the limit.
     pub whole: bool,
     /// Rounding may turn `whole` or `in_front`.
@@ -34,10 +38,24 @@ pub struct Outline {
 impl Outline {
     /// Whether, grown by `margin` texels, it goes on beyond one of the ends of the map.
     pub fn goes_beyond(&self, map: MapEnds, margin: f64) -> bool {
-        let (low, high) = bounds(&self.corners);
-        map.any() && (!self.in_front || map.are_passed(low - margin, high + margin))
+        let (low, high) = self.bounds(1.0);
+        map.any() && map.are_passed(low - margin, high + margin)
+    }
+
+    /// Lowest and highest corner, those nearer to the light `times` as far off as they may be; infinite where it is not known.
+    pub fn bounds(&self, times: f64) -> (DVec2, DVec2) {
+        if !self.known {
+            return (DVec2::NEG_INFINITY, DVec2::INFINITY);
+        }
+        let grown = |(low, high): (DVec2, DVec2), &(at, off): &(DVec2, f64)| {
+            (low.min(at - times * off), high.max(at + times * off))
+        };
+        self.blurred.iter().fold(bounds(&self.corners), grown)
     }
 }
+
+/// Texels by which the corners of a facet that lies next to the light may be off.
+const BLUR: f64 = 4.0;
 
 /// Facet: a surface inside one pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -201,7 +219,7 @@ fn one(view: &View, around: &MapAround, sat: &[u32], part: Part, margin: Margin,
     }
     let size = view.map.map_size;
     let receives = triangle.is_some_and(|t| t >= around.casters);
-    let (low, high) = bounds(&facet.outline.corners);
+    let (low, high) = facet.outline.bounds(margin.texels / view.map.margins().texels);
     let reach = if receives { reach_beyond(view, pixel, facet.plane, limit) } else { 1.0 };
     let texels = margin.texels * reach;
     if receives {
@@ -221,7 +239,7 @@ fn one(view: &View, around: &MapAround, sat: &[u32], part: Part, margin: Margin,
         facet.state = FacetState::Lit;
         return facet;
     }
-    let rect = if facet.outline.in_front {
+    let rect = if facet.outline.known {
         cells_touched(low - texels, high + texels, [size; 2])
     } else {
         Some([0, 0, size - 1, size - 1])
@@ -356,6 +374,7 @@ fn outline_of(view: &View, pixel: u32, plane: DVec4, limit: f64, [low, high]: [D
         farthest: f64::MIN,
         ahead: f64::MIN,
         in_front: true,
+        known: true,
         whole: true,
         ..Outline::default()
     };
@@ -376,7 +395,15 @@ fn outline_of(view: &View, pixel: u32, plane: DVec4, limit: f64, [low, high]: [D
             }
             None => {
                 out.in_front = false;
-                out.open |= view.map.w.dot(point.extend(1.0)) > view.map.near * 0.9999;
+                let (p, near) = (point.extend(1.0), view.map.near);
+                let w = view.map.w.dot(p);
+                let off = 0.25 * near / w;
+                out.open |= w > near * 0.9999 || (off / BLUR - 1.0).abs() < 1e-2;
+                if view.map.lamp.is_some() && w > 0.0 && off <= BLUR {
+                    out.blurred.push((DVec2::new(view.map.u.dot(p), view.map.v.dot(p)) / w, off));
+                } else {
+                    out.known = false;
+                }
             }
         }
     };

@@ -73,7 +73,8 @@ mod tests {
     #[test]
     fn a_diamond_touches_what_its_box_does_not_tell() {
         let corners = [[2.0, 0.0], [4.0, 2.0], [2.0, 4.0], [0.0, 2.0]].map(|[x, y]| DVec2::new(x, y)).to_vec();
-        let outline = Outline { corners, farthest: 1.0, in_front: true, whole: true, ..Outline::default() };
+        let outline =
+            Outline { corners, farthest: 1.0, in_front: true, known: true, whole: true, ..Outline::default() };
         let touched = |x, y, reach| touches(&outline, centre(x, y), reach);
         assert!(touched(1, 1, 0.5) && touched(2, 2, 0.5) && touched(0, 1, 0.5));
         assert!(touched(0, 0, 0.5), "its corner lies on the diamond's side");

@@ -2,7 +2,7 @@
 
 use super::super::front_layer::Margin;
 use super::View;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// A triangle that reaches behind the light, as the lines of its edges around what of it lies in front, and as its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +36,10 @@ impl Cut {
         let far = [p, q, r].map(|p| p.x.abs().max(p.y.abs()).max(size * p.z.abs()));
         let both = [0, 1, 2].map(|k| far[k] * far[(k + 1) % 3]);
         let off = 8.0 * margins.texels * near;
-        let noise = (off * both.iter().sum::<f64>() + 4e-6 * far.iter().product::<f64>()) / size;
-        let slack = [0, 1, 2].map(|k| off * (far[k] + far[(k + 1) % 3]) + 4e-6 * both[k]);
+        let sum = |row: DVec4| row.truncate().abs().element_sum();
+        let share = 4e-6 + 2e-6 * (sum(view.map.u).max(sum(view.map.v)) / size + sum(view.map.w));
+        let noise = (off * both.iter().sum::<f64>() + 2.0 * share * far.iter().product::<f64>()) / size;
+        let slack = [0, 1, 2].map(|k| off * (far[k] + far[(k + 1) % 3]) + share * both[k]);
         let lines = [p.cross(q), q.cross(r), r.cross(p)];
         let depth = (zp * lines[1] + zq * lines[2] + zr * lines[0]) / det;
         let inverse = near / det * (lines[0] + lines[1] + lines[2]);
@@ -112,7 +114,6 @@ impl Cut {
 mod tests {
     use super::*;
     use crate::reference::view::{Flat, centre};
-    use glam::DVec4;
     use lab::scene::builtin;
     use subpixel_shadows::light_view::LightView;
     use subpixel_shadows::scene::Light;
