@@ -78,21 +78,31 @@ fn camera_rect(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec2<u32> {
     return pixels_touched(low, high);
 }
 
-// `beyond`: sides of the view that all three lie beyond.
-fn light_rect(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, beyond: u32) -> vec2<u32> {
-    if min(a.w, min(b.w, c.w)) <= 0.0 {
-        if max(a.w, max(b.w, c.w)) < -2.0 * frame.light_low.w { return EMPTY_RECT; }
-        if (frame.flags & FLAG_PERSPECTIVE) != 0u && beyond != 0u && ends_of_triangle(a, b, c) == 0u {
-            return EMPTY_RECT;
-        }
-        return pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
-    }
+// Of a triangle whose corners are a, b, c in the light's view, and p, q, r seen from the eye.
+fn light_rect(
+    a: vec4<f32>,
+    b: vec4<f32>,
+    c: vec4<f32>,
+    p: vec3<f32>,
+    q: vec3<f32>,
+    r: vec3<f32>,
+) -> vec2<u32> {
+    let whole = pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u)));
     let low = min(min(a.xy, b.xy), c.xy);
     let high = max(max(a.xy, b.xy), c.xy);
     let slack = frame.map_margin + 4e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     let touched = cells_touched(low - slack, high + slack, vec2(frame.map_size));
-    return select(touched, pack_rect(Rect(vec2(0u), vec2(frame.map_size - 1u))),
-        ends_beyond(low, high) != 0u);
+    var rect = select(touched, whole, ends_beyond(low, high) != 0u);
+    let nearest = min(a.w, min(b.w, c.w));
+    let farthest = max(a.w, max(b.w, c.w));
+    if farthest < -2.0 * frame.light_low.w { rect = EMPTY_RECT; }
+    // In most views few reach behind the light: a loop that the others do not enter.
+    for (var cut = nearest <= 0.0 && farthest >= -2.0 * frame.light_low.w; cut; cut = false) {
+        rect = whole;
+        if (frame.flags & FLAG_PERSPECTIVE) == 0u || ends_of_triangle(a, b, c) != 0u { continue; }
+        if (sides_beyond(p) & sides_beyond(q) & sides_beyond(r)) != 0u { rect = EMPTY_RECT; }
+    }
+    return rect;
 }
 
 // Corners of a triangle; `none` where they are no good.
@@ -147,8 +157,7 @@ fn setup_light(
     var rect = EMPTY_RECT;
     if !corners.none {
         side = facing_of(a, b, c, frame.light);
-        let beyond = sides_beyond(a) & sides_beyond(b) & sides_beyond(c);
-        rect = light_rect(map_points[i.x], map_points[i.y], map_points[i.z], beyond);
+        rect = light_rect(map_points[i.x], map_points[i.y], map_points[i.z], a, b, c);
         // With validity masks it may cut a facet.
         if is_culled(frame.flags, i.w, side) & ((frame.flags & FLAG_VALIDITY) == 0u) { rect = EMPTY_RECT; }
         rect = requested_part(rect);
