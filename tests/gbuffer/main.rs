@@ -36,7 +36,7 @@ const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 
 fn settings(facets: FacetMode, count: u32) -> Settings {
     let samples = Samples::new(Pattern::LowDiscrepancy, count).expect("samples");
-    Settings { facets, ..Settings::new(SIZE, 64, samples) }
+    Settings { facets, ..Settings::new(SIZE, 512, samples) }
 }
 
 fn scene(name: &str) -> Scene {
