@@ -90,7 +90,7 @@ fn cover_cut(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, margin: f32) -> Cover {
     let qr = cross(q, r);
     let rp = cross(r, p);
     let det = dot(p, qr);
-    // What rounding does far from the light, more in a narrow view.
+    // Rounding far from the light, more in a narrow view.
     let one = vec3(1.0);
     let across = max(dot(abs(frame.map_u.xyz), one), dot(abs(frame.map_v.xyz), one));
     let share = 4e-6 + 2e-6 * (across / size + dot(abs(frame.map_w.xyz), one));
