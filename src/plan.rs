@@ -126,6 +126,7 @@ impl Plan {
             .collect();
         let mut settings = Settings { alpha_tested: !prepared.alpha().is_empty(), ..wanted.clone() };
         settings.request_blocks = all_blocks.is_none();
+        settings.focus &= !force_all;
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
             let left_out = if needs(Extent::Everything) { left_out } else { Some(reason.clone()) };
             let runs = left_out.is_none();

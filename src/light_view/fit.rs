@@ -234,7 +234,7 @@ pub(super) fn check(light: &Light, map_size: u32) -> Result<()> {
 }
 
 /// The scale and padding that keep the casters at least a texel inside the map, where it is that large.
-fn inside(map_size: u32) -> (f64, f64) {
+pub(super) fn inside(map_size: u32) -> (f64, f64) {
     let size = f64::from(map_size);
     if map_size < 4 { (size * 0.5, size * 0.25) } else { (size - 2.0, 1.0) }
 }

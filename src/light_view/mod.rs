@@ -5,6 +5,7 @@ mod clusters;
 mod cube;
 mod faces;
 mod fit;
+mod focus;
 mod map_tiles;
 mod paraboloid;
 mod points;

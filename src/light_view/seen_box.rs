@@ -41,6 +41,12 @@ impl SeenBox {
         (0..8).map(move |k| DVec3::from_array([0, 1, 2].map(|a| if k >> a & 1 == 1 { hi[a] } else { lo[a] })))
     }
 
+    /// Normal, to the inside, of one of the four planes through the eye and a side of the image.
+    pub(super) fn side(&self, k: usize) -> DVec3 {
+        let normal = self.corners[k].cross(self.corners[(k + 1) % 4]);
+        normal * normal.dot(self.corners[(k + 2) % 4]).signum()
+    }
+
     /// Points all over the part between two view depths that lies in `view`, three on each of 64 rays through the image that meet it,
     /// in the far part of what the ray passes, where it is likelier to meet a surface than before it: their texels, and there the
     /// width of a texel of `view` beside that of a pixel, but for a factor.
@@ -103,10 +109,7 @@ impl SeenBox {
         let row = |r: DVec4, p: DVec3| r.dot(p.extend(1.0));
         // Inside where none is below 0. The sides of the image come first, then the depths, the box and the view.
         let inside = |plane: usize, p: DVec3| match plane {
-            k @ 0..4 => {
-                let normal = self.corners[k].cross(self.corners[(k + 1) % 4]);
-                normal.dot(p) * normal.dot(self.corners[(k + 2) % 4]).signum()
-            }
+            k @ 0..4 => self.side(k).dot(p),
             4 => p.dot(self.forward) - from,
             5 => to - p.dot(self.forward),
             k @ 6..9 => p[k - 6] - lo[k - 6],

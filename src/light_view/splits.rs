@@ -176,11 +176,7 @@ impl LightView {
                 // Where a map without a warp holds more than the slice, no point of it has another divisor.
                 let even = || whole.slice(&warped.seen, &SplitPlan { warp: Warp::Box, ..plan }, warped.range, 0.0);
                 let (slice, by) = of_slice(&if plan.warp == Warp::Whole { warped } else { even() });
-                let about_middle = |row: DVec4| {
-                    let middle = slice.w * (0.5 * f64::from(self.map_size));
-                    middle + (row - middle) * by
-                };
-                Self { u: about_middle(slice.u), v: about_middle(slice.v), ..slice }
+                slice.coarser(by)
             }
         };
         parts(&whole, &seen, &plan, (rays.eye, scale)).into_iter().map(coarse_enough).collect()

@@ -165,6 +165,10 @@ pub struct Settings {
     /// Make no blocks of the light's maps but those that the facets ask for, where the camera may see but a part of the scene, and there are
     /// many triangles beside the pixels. Maps that are kept for frames to come are made whole.
     pub request_blocks: bool,
+    /// Cut the light's views to what the camera may see in shadow, where they are made anew for a frame all the same, as of casters that move and of a light
+    /// among its casters, or where that leaves less than a sixteenth of a view. The picture is the same. Of `facet-masks`, without a
+    /// [partition](Settings::partition), which tells for all methods how views lie over what is seen.
+    pub focus: bool,
     /// Triangles may be [alpha-tested](crate::scene::AlphaTested); of all methods but `spsm`. A pass of casters of which some are has it set, and so has a
     /// renderer; a pass that shall take such casters later needs it from the beginning.
     pub alpha_tested: bool,
@@ -342,6 +346,7 @@ impl Settings {
             cull_back: false,
             hide_backs: true,
             request_blocks: true,
+            focus: true,
             alpha_tested: false,
             filter: PixelFilter::Box,
             masks: MaskVariant::Exact,

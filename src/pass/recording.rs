@@ -80,6 +80,7 @@ impl ShadowPass {
         // These may show what lies beside the casters.
         let beyond = matches!(inputs.gbuffer, GBuffer::Surfaces(_) | GBuffer::SampleIds(_));
         let views = settings.in_slices(views, inputs.camera, bounds, (beyond, one), inputs.depths, &objects);
+        let views = self.focused(views, inputs, bounds);
         let mut views = self.maker.parts.of(self.image.method.jittered(views));
         if extent != Extent::Everything {
             views.truncate(1);

@@ -6,7 +6,7 @@ use super::gbuffer::GBuffer;
 use super::inputs::{Inputs, LightReach};
 use crate::Result;
 use crate::light_view::{LightView, OmniMaps, PartBy, Receivers};
-use crate::methods::Settings;
+use crate::methods::{FacetMode, Settings};
 use crate::scene::Light;
 use glam::DVec3;
 
@@ -26,6 +26,23 @@ impl ShadowPass {
             _ if casters.are_known() => casters.prepared.objects().to_vec(),
             _ => Vec::new(),
         }
+    }
+
+    /// Views cut to what the camera may see in the shadow of casters between `bounds`, where [`Settings::focus`] says so.
+    pub(super) fn focused(&self, views: Vec<LightView>, inputs: &Inputs, bounds: (DVec3, DVec3)) -> Vec<LightView> {
+        let settings = &self.settings;
+        if !settings.focus || settings.partition.is_some() || self.image.method.is_fixed() {
+            return views;
+        }
+        // The pass sees no other triangles, of which facets then hold no more than is seen.
+        let within = matches!(inputs.gbuffer, GBuffer::None) && settings.facets == FacetMode::All;
+        LightView::focused(
+            views,
+            inputs.camera,
+            settings.size,
+            bounds,
+            (within, self.keeps_maps && self.casters.stand()),
+        )
     }
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 /// The same camera, elsewhere: its place and aim times `factor`, turned by `angle` about the vertical.
-fn elsewhere(camera: &Camera, factor: f32, angle: f32) -> Camera {
+pub(crate) fn elsewhere(camera: &Camera, factor: f32, angle: f32) -> Camera {
     let (sin, cos) = angle.sin_cos();
     let [x, y, z] = camera.eye.map(|c| c * factor);
     Camera { eye: [x * cos - z * sin, y, x * sin + z * cos], far: camera.far * factor.max(1.0), ..*camera }
@@ -11,7 +11,7 @@ fn elsewhere(camera: &Camera, factor: f32, angle: f32) -> Camera {
 
 /// The words that maps cannot change: visibility, and with every surface the lit masks. With one facet a pixel that is settled as lit counts the samples
 /// beside its facet, too.
-fn certain(facets: FacetMode, picture: &Picture) -> Picture {
+pub(crate) fn certain(facets: FacetMode, picture: &Picture) -> Picture {
     match facets {
         FacetMode::One => Picture(picture.0[..(SIZE[0] * SIZE[1]) as usize].to_vec()),
         FacetMode::All => picture.clone(),
