@@ -1,15 +1,16 @@
 // pixel_receivers: what each pixel shows by an application's depth or position texture: a triangle of the
 // casters, or a surface that casts nothing, which gets a triangle of its own behind the casters' triangles
 // and vertices. Reads `place` (with GIVEN_POSITIONS world positions, nothing where alpha is 0; else depth,
-// nothing at `nothing`), with GIVEN_NORMALS world normals, with GIVEN_IDS the application's triangle
-// numbers, which say that a pixel shows that caster. Without numbers it shows a caster on whose plane its
-// surface lies, give or take `tolerance` of its view depth, and whose edges are no farther outside than
-// NEAR_EDGE pixels: two rasterizers differ there. `find` takes for it the caster at the pixel centre
-// (`id_keys`, complement) if it is one, `claim` looks through the blocks of all casters (`camera_rects`,
-// `work_offsets`) at the pixels that are left, of several for the lowest; `claims` has OPEN for surfaces
-// that are no caster, 0 for none. `take` writes of these vertices to `positions` and their indices to
-// `triangles`, for all pixels `keys` (complement of the triangle, 0 where there is none), and counts into
-// `faults` texels that name no triangle or are no place, which count as none.
+// nothing at `nothing`; with GIVEN_SAMPLES that of one sample of `place_samples`), with GIVEN_NORMALS world
+// normals (with GIVEN_NORMAL_SAMPLES of that sample), with GIVEN_IDS the application's triangle numbers,
+// which say that a pixel shows that caster. Without numbers it shows a caster on whose plane its surface
+// lies, give or take `tolerance` of its view depth, and whose edges are no farther outside than NEAR_EDGE
+// pixels: two rasterizers differ there. `find` takes for it the caster at the pixel centre (`id_keys`,
+// complement) if it is one, `claim` looks through the blocks of all casters (`camera_rects`, `work_offsets`)
+// at the pixels that are left, of several for the lowest; `claims` has OPEN for surfaces that are no caster,
+// 0 for none. `take` writes of these vertices to `positions` and their indices to `triangles`, for all
+// pixels `keys` (complement of the triangle, 0 where there is none), and counts into `faults` texels that
+// name no triangle or are no place, which count as none.
 
 //@import frame dispatch divide strip facing finite vertex rect work_items alpha mapped_view
 
@@ -19,7 +20,6 @@ const FAULT_UNUSABLE = 3u;
 const NEAR_EDGE = 0.03125;
 const OPEN = 0xffffffffu;
 const CLAIMED = 0x40000000u;  // set in a claim of another caster than that at the centre
-const REACH = 2.5; // pixels
 const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; rows that strips share
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -37,8 +37,10 @@ const MOST_STEPS = 4u; // pixels to look for a neighbour on the same surface; ro
 @group(0) @binding(12) var<storage, read> camera_rects: array<vec2<u32>>;
 @group(0) @binding(13) var<storage, read> work_offsets: array<u32>;
 @group(0) @binding(14) var<storage, read> triangles: array<vec4<u32>>;
+@group(0) @binding(15) var place_samples: texture_multisampled_2d<f32>;
+@group(0) @binding(16) var normal_samples: texture_multisampled_2d<f32>;
 
-//@import given_place
+//@import given_place receiver_triangle
 
 // A caster's plane, for each edge what is 0 on rays through it, and its fourth word.
 struct Outline { normal: vec3<f32>, corner: vec3<f32>, edges: array<vec3<f32>, 3>, card: Card, word: u32 }
@@ -108,43 +110,16 @@ fn step_along(at: vec2<i32>, by: vec2<i32>, p: Place) -> vec3<f32> {
 }
 
 fn normal_at(at: vec2<i32>, p: Place) -> vec3<f32> {
-    if (params.given & GIVEN_NORMALS) != 0u {
-        return textureLoad(normals, given_texel(vec2<u32>(at)), 0).xyz;
+    let there = given_texel(vec2<u32>(at));
+    if (params.given & GIVEN_NORMAL_SAMPLES) != 0u {
+        return textureLoad(normal_samples, there, params.sample).xyz;
     }
+    if (params.given & GIVEN_NORMALS) != 0u { return textureLoad(normals, there, 0).xyz; }
     let a = step_along(at, vec2(1, 0), p);
     let b = step_along(at, vec2(0, 1), p);
     let n = cross(a / max(largest(a), 1e-30), b / max(largest(b), 1e-30));
     // Alone in its row or column, it faces the eye.
     return select(ray_of(at), n, largest(n) > 0.0);
-}
-
-// The power of two that is not below a number, 1 to 32.
-fn power_above(x: f32) -> f32 {
-    return bitcast<f32>((bitcast<u32>(clamp(x, 1.0, 32.0)) + 0x7fffffu) & 0x7f800000u);
-}
-
-// A triangle around the place, large beside its coordinates, so that their rounding turns it little, and so
-// large that it holds what rays REACH pixels away meet of its plane, where that is not too far off.
-fn write_triangle(pixel: u32, at: vec2<i32>, p: Place, n: vec3<f32>) {
-    let size = max(largest(p.world), p.depth / frame.eye.w);
-    let over = abs(dot(n, ray_of(at)));
-    let less = REACH * (abs(dot(n, frame.ray_x.xyz)) + abs(dot(n, frame.ray_y.xyz)));
-    let farther = less / max(over - less, over / 16.0);
-    let leg = bitcast<f32>(bitcast<u32>(size) & 0x7f800000u) * 2.0 * power_above(2.5 * farther);
-    let m = abs(n);
-    let k = select(select(2u, 1u, m.y >= m.z), 0u, m.x >= m.y && m.x >= m.z);
-    let i = (k + 1u) % 3u;
-    let j = (k + 2u) % 3u;
-    var corners = array<vec2<f32>, 3>(vec2(-1.0, -1.0), vec2(1.0, 0.0), vec2(0.0, 1.0));
-    for (var c = 0u; c < 3u; c++) {
-        var q = p.world;
-        q[i] += corners[c].x * leg;
-        q[j] += corners[c].y * leg;
-        q[k] -= (n[i] * (q[i] - p.world[i]) + n[j] * (q[j] - p.world[j])) / n[k];
-        let v = frame.vertex_count + 3u * pixel + c;
-        positions[v] = q;
-        made_triangles[frame.triangle_count + pixel][c] = v;
-    }
 }
 
 fn count_fault(fault: u32, at: vec2<i32>) {

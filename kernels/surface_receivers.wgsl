@@ -37,6 +37,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(15) var<storage, read> complex_total: array<u32>;
 @group(0) @binding(16) var<storage, read_write> coverings: array<Covering>;
 @group(0) @binding(17) var<storage, read_write> covering_masks: array<u32>;
+@group(0) @binding(18) var place_samples: texture_multisampled_2d<f32>;
 
 fn is_outside(pixel: u32) -> bool {
     return pixel >= frame.image_size.x * frame.image_size.y;
@@ -129,7 +130,7 @@ fn choose(
     let at = vec2<i32>(place_in_strip(pixel));
     let shown = place_at(at);
     if shown.what != SURFACE { return; }
-    let ray = pixel_ray(pixel);
+    let ray = ray_of(at);
     var bits = 0u;
     for (var n = 0u; n < AROUND && (n < NEXT || bits == 0u || any_beyond(bits)); n++) {
         let k = nth_neighbour(n);
@@ -169,8 +170,7 @@ fn sides_before(u: Corners, pixel: u32) -> u32 {
         if !is_in_image(q) { continue; }
         let shown = place_at(q);
         let depth = select(shown.depth, 3.0e38, shown.what == NOTHING);
-        let ray = ray_at(pixel, vec2<f32>(step_to(side)));
-        if shown.what != FAULT && runs_before(u, ray, depth) { sides |= 1u << side; }
+        if shown.what != FAULT && runs_before(u, ray_of(q), depth) { sides |= 1u << side; }
     }
     return sides;
 }

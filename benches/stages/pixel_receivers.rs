@@ -6,7 +6,8 @@ use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu};
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::pixel_receivers::{
-    PixelReceivers, PixelReceiversParams, ReceiverKeys, ReceiverRoom, SeenCasters, Textures,
+    GivenTexture, PixelReceivers, PixelReceiversParams, ReceiverKeys, ReceiverRoom, SeenCasters, Textures,
+    unread_samples,
 };
 use subpixel_shadows::wgpu::{TextureFormat, TextureUsages};
 
@@ -46,12 +47,13 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     args.write(queue, &[0, 1, 1, 0]);
     let faults = Buffer::storage(device, "bench.faults", 4)?;
     let stage = PixelReceivers::new(device, false);
+    let unread = unread_samples(device);
     // The texture holds 0, which is a depth of 1.
     let params = PixelReceiversParams {
         depth: [1.0, -1.0, 1.0, 0.0],
         nothing: 1.0,
         tolerance: 1e-4,
-        ..PixelReceiversParams::default()
+        ..PixelReceiversParams::at_centres()
     };
     Ok(vec![Case {
         name: "pixel_receivers".to_owned(),
@@ -60,7 +62,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: pixels * 150,
         record: Box::new(move |s| {
-            let textures = Textures { place: &place, normals: &place, ids: &ids };
+            let place = GivenTexture { single: &place, samples: &unread };
+            let textures = Textures { place, normals: place, ids: &ids };
             let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
             let blocks = Blocks {
                 triangles: &triangles,

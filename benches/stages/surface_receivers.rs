@@ -5,7 +5,7 @@ use subpixel_shadows::Result;
 use subpixel_shadows::frame::Frame;
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
 use subpixel_shadows::stages::pixel_coverage::PairCoverage;
-use subpixel_shadows::stages::pixel_receivers::PixelReceiversParams;
+use subpixel_shadows::stages::pixel_receivers::{GivenTexture, PixelReceiversParams, unread_samples};
 use subpixel_shadows::stages::pixel_triangles::PixelLists;
 use subpixel_shadows::stages::surface_receivers::{GivenSurfaces, ListedPixels, ReceiverPlaces, SurfaceReceivers};
 use subpixel_shadows::wgpu::{TextureFormat, TextureUsages};
@@ -43,12 +43,12 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
     let coverage = PairCoverage::new(device, 4, 1)?;
     let (complex, total) =
         (Buffer::storage(device, "bench.complex", pixels)?, Buffer::storage(device, "bench.total", 4)?);
-    let stage = SurfaceReceivers::new(device, 32);
+    let (stage, unread) = (SurfaceReceivers::new(device, 32), unread_samples(device));
     let params = PixelReceiversParams {
         depth: [1.0, -1.0, 1.0, 0.0],
         nothing: 1.0,
         tolerance: 1e-4,
-        ..PixelReceiversParams::default()
+        ..PixelReceiversParams::at_centres()
     };
     Ok(vec![Case {
         name: "surface_receivers".to_owned(),
@@ -57,7 +57,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         atomics: 0,
         flops: pixels * 250,
         record: Box::new(move |s| {
-            let given = GivenSurfaces { params, place: &place, keys: &keys };
+            let place = GivenTexture { single: &place, samples: &unread };
+            let given = GivenSurfaces { params, place, keys: &keys };
             let places = ReceiverPlaces { positions: &positions, points: &points };
             stage.record_own(s, &frame, given, places, &lists, &id_keys, &chosen)?;
             stage.record_choose(s, &frame, given, &points, &lists, &id_keys, &chosen)?;

@@ -93,6 +93,7 @@ pub fn texture(inner: &TypeInner) -> Option<&'static str> {
         (ImageClass::Sampled { kind: ScalarKind::Uint, multi: false }, true) => Some("TextureUintLayers"),
         (ImageClass::Sampled { kind: ScalarKind::Uint, multi: true }, false) => Some("TextureUintSamples"),
         (ImageClass::Sampled { kind: ScalarKind::Float, multi: false }, false) => Some("TextureFloat"),
+        (ImageClass::Sampled { kind: ScalarKind::Float, multi: true }, false) => Some("TextureFloatSamples"),
         (ImageClass::Storage { format: StorageFormat::R32Float, access }, false) if access == StorageAccess::STORE => {
             Some("TextureStoreR32Float")
         }

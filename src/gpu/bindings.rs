@@ -343,6 +343,10 @@ texture! {
     TextureFloat
 }
 texture! {
+    /// A multisampled texture of `f32`, or of depths.
+    TextureFloatSamples
+}
+texture! {
     /// A storage texture of format `r32float`.
     TextureStoreR32Float
 }

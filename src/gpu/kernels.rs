@@ -1311,7 +1311,7 @@ pub mod pixel_receivers {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/frame/strip",
         "shared/frame/facing", "shared/math/finite", "shared/frame/vertex", "shared/raster/rect",
         "shared/raster/work_items", "shared/alpha", "shared/frame/mapped_view", "shared/frame/given_place",
-        "pixel_receivers",
+        "pixel_receivers/receiver_triangle", "pixel_receivers",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -1320,8 +1320,9 @@ pub mod pixel_receivers {
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
         HEAD = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
-        GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3,
-        OPEN = 4294967295, CLAIMED = 1073741824, MOST_STEPS = 4,
+        GIVEN_IDS = 4, GIVEN_SAMPLES = 8, GIVEN_NORMAL_SAMPLES = 16, NOTHING = 0, SURFACE = 1, FAULT = 2,
+        WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, OPEN = 4294967295, CLAIMED = 1073741824,
+        MOST_STEPS = 4,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1334,6 +1335,7 @@ pub mod pixel_receivers {
         8 positions: Write<'a, [f32; 4]>,
         11 claims: Write<'a, u32>,
         14 triangles: Read<'a, [u32; 4]>,
+        15 place_samples: TextureFloatSamples<'a>,
     } }
     entry_point! { "pixel_receivers", "claim", [64, 1, 1], SOURCE, Constants => Claim, ClaimProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1344,6 +1346,7 @@ pub mod pixel_receivers {
         12 camera_rects: Read<'a, [u32; 2]>,
         13 work_offsets: Read<'a, u32>,
         14 triangles: Read<'a, [u32; 4]>,
+        15 place_samples: TextureFloatSamples<'a>,
     } }
     entry_point! { "pixel_receivers", "take", [64, 1, 1], SOURCE, Constants => Take, TakeProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1357,6 +1360,8 @@ pub mod pixel_receivers {
         9 keys: Write<'a, u32>,
         10 faults: Write<'a, u32>,
         11 claims: Write<'a, u32>,
+        15 place_samples: TextureFloatSamples<'a>,
+        16 normal_samples: TextureFloatSamples<'a>,
     } }
     entries! {
         Find, Claim, Take,
@@ -2802,8 +2807,8 @@ pub mod surface_receivers {
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
-        GIVEN_IDS = 4, NOTHING = 0, SURFACE = 1, FAULT = 2, OWN = 12, NEXT = 8, AROUND = 24, MOST = 8, NONE = 25,
-        WORKGROUP = 64,
+        GIVEN_IDS = 4, GIVEN_SAMPLES = 8, GIVEN_NORMAL_SAMPLES = 16, NOTHING = 0, SURFACE = 1, FAULT = 2, OWN = 12,
+        NEXT = 8, AROUND = 24, MOST = 8, NONE = 25, WORKGROUP = 64,
     }
     overrides! {
         words: u32 = 1, "WORDS",
@@ -2828,6 +2833,7 @@ pub mod surface_receivers {
         9 id_keys: Write<'a, u32>,
         10 pixel_counts: Write<'a, u32>,
         11 chosen: Write<'a, u32>,
+        18 place_samples: TextureFloatSamples<'a>,
     } }
     entry_point! { "surface_receivers", "list", [64, 1, 1], SOURCE, Constants => List, ListProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2849,6 +2855,7 @@ pub mod surface_receivers {
         15 complex_total: Read<'a, u32>,
         16 coverings: Write<'a, crate::stages::pixel_coverage::Covering>,
         17 covering_masks: Write<'a, u32>,
+        18 place_samples: TextureFloatSamples<'a>,
     } }
     entries! {
         Own, Choose, List, Cover,

@@ -40,6 +40,8 @@ pub enum Access {
     TextureUintSamples,
     /// A texture of `f32`, or a depth texture, that is read texel by texel and never filtered.
     TextureFloat,
+    /// A multisampled texture of `f32`, or of depths, that is read sample by sample.
+    TextureFloatSamples,
     /// A storage texture of format `r32float` that is only written.
     TextureStoreR32Float,
 }
@@ -66,6 +68,7 @@ impl Access {
             Self::TextureUintLayers => texture(wgpu::TextureSampleType::Uint, D2Array, false),
             Self::TextureUintSamples => texture(wgpu::TextureSampleType::Uint, D2, true),
             Self::TextureFloat => texture(wgpu::TextureSampleType::Float { filterable: false }, D2, false),
+            Self::TextureFloatSamples => texture(wgpu::TextureSampleType::Float { filterable: false }, D2, true),
             Self::TextureStoreR32Float => wgpu::BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::R32Float,

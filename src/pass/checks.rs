@@ -56,6 +56,9 @@ impl ShadowPass {
             GBuffer::Surfaces(_) if !self.maker.receivers => {
                 refuse("surfaces in a G-buffer need a pass that was made with room for receivers")
             }
+            GBuffer::Surfaces(given) if self.settings.facets == FacetMode::One && given.samples() > 1 => {
+                refuse("multisampled depths show a pixel beside its centre; they need a facet for every surface")
+            }
             GBuffer::Surfaces(given) => given.check(part, camera),
         }
     }

@@ -104,8 +104,9 @@ impl<'a> SampleTexture<'a> {
     }
 }
 
-/// Textures of the surface at each pixel centre: two-dimensional, one sample, the size of the image, usage
-/// `TEXTURE_BINDING`; the first level and layer are read. The pass must have been made with
+/// Textures of the surface at each pixel centre: two-dimensional, the size of the image, usage `TEXTURE_BINDING`; the first level and layer are
+/// read. With a facet for every surface depths may be multisampled, and normals beside them: those at the sample nearest to the centre are taken, where
+/// that sample lies ([`SurfaceTextures::places`]). All other textures have one sample. The pass must have been made with
 /// [`PassConfig::receivers`](super::PassConfig::receivers).
 ///
 /// A pixel that shows a caster takes that caster's triangle, so that no surface shadows itself and no bias is needed. Which
@@ -132,11 +133,13 @@ pub struct SurfaceTextures<'a> {
     /// Where the surfaces are.
     pub place: SurfacePosition<'a>,
     /// Their geometric normals, world space, any length but 0, of either side; `Rgba16Float` or `Rgba32Float`, alpha is not
-    /// read. `None`: reconstructed from the nearest pixels in its row and column that show no caster, of two
+    /// read. With multisampled depths those of each sample, or one a pixel. `None`: reconstructed from the nearest pixels in its row and column that show no caster, of two
     /// the one whose depth differs less.
     pub normals: Option<&'a wgpu::Texture>,
     /// Which pixels show casters: the rest show something else, or nothing. `None`: found out.
     pub ids: Option<TriangleTexture<'a>>,
+    /// Where in the pixel the samples of multisampled textures lie, `[0, 1)`, x to the right, y down, as many as they have: 2 to 16.
+    pub places: &'a [[f32; 2]],
     /// How far from the plane of a caster its surface may be said to be, as a share of its view depth; of positions the rounding of their coordinates
     /// is added. It is no bias: it says which pixels show a caster, where there are no `ids`, and with a facet for every surface which planes are one, and which
     /// of two is before the other. [`SurfaceTextures::TOLERANCE`] is above what a depth buffer of 32
@@ -151,7 +154,8 @@ impl<'a> SurfaceTextures<'a> {
 
     /// Surfaces by their place alone.
     pub fn new(place: SurfacePosition<'a>) -> Self {
-        Self { place, normals: None, ids: None, tolerance: Self::TOLERANCE }
+        let places = &SampleTexture::STANDARD_4;
+        Self { place, normals: None, ids: None, places, tolerance: Self::TOLERANCE }
     }
 
     pub(super) fn check(&self, part: ImagePart, camera: &Camera) -> Result<()> {
@@ -159,7 +163,8 @@ impl<'a> SurfaceTextures<'a> {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING;
         match self.place {
             SurfacePosition::Depth { texture, terms, nothing } => {
-                check_texture("depth", texture, &[Depth32Float, R32Float], usage, part)?;
+                let formats = &[Depth32Float, R32Float];
+                check_sampled("depth", texture, formats, usage, part, (0, texture.sample_count()))?;
                 terms.check()?;
                 terms.check_camera(camera, part.size)?;
                 if !nothing.is_finite() {
@@ -169,13 +174,47 @@ impl<'a> SurfaceTextures<'a> {
             SurfacePosition::Position(texture) => check_texture("position", texture, &[Rgba32Float], usage, part)?,
         }
         if let Some(normals) = self.normals {
-            check_texture("normal", normals, &[Rgba16Float, Rgba32Float], usage, part)?;
+            let samples = if normals.sample_count() > 1 { self.samples() } else { 1 };
+            check_sampled("normal", normals, &[Rgba16Float, Rgba32Float], usage, part, (0, samples))?;
         }
         if let Some(ids) = self.ids {
             ids.check(part)?;
         }
+        self.check_places()?;
         if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
             return Err(Error::Config(format!("a tolerance of {} view depths is not in [0, 1)", self.tolerance)));
+        }
+        Ok(())
+    }
+}
+
+impl SurfaceTextures<'_> {
+    /// Samples of a depth.
+    pub(super) fn samples(&self) -> u32 {
+        match self.place {
+            SurfacePosition::Depth { texture, .. } => texture.sample_count(),
+            SurfacePosition::Position(_) => 1,
+        }
+    }
+
+    /// Checks where samples lie, if there are several.
+    fn check_places(&self) -> Result<()> {
+        let (samples, given) = (self.samples(), self.places.len());
+        if samples == 1 {
+            return Ok(());
+        }
+        if given != samples as usize {
+            return Err(Error::Config(format!("depth texture: {samples} samples, {given} places are given")));
+        }
+        if let Some((k, p)) = (0..).zip(self.places).find(|(_, p)| !p.iter().all(|v| (0.0..1.0).contains(v))) {
+            let [x, y] = p;
+            return Err(Error::Config(format!(
+                "sample {k} of the depth texture is at ({x}, {y}), not in its pixel, [0, 1)"
+            )));
+        }
+        if self.ids.is_some() {
+            let text = "triangle numbers of one sample beside multisampled depths: they may show another surface";
+            return Err(Error::Config(text.to_owned()));
         }
         Ok(())
     }
@@ -186,7 +225,7 @@ impl<'a> SurfaceTextures<'a> {
 pub enum SurfacePosition<'a> {
     /// A depth buffer, of any convention, of the frame's camera.
     Depth {
-        /// `Depth32Float` (its depth aspect alone) or `R32Float`.
+        /// `Depth32Float` (its depth aspect alone) or `R32Float`, of one or several samples.
         texture: &'a wgpu::Texture,
         /// Terms of its values.
         terms: DepthTerms,

@@ -11,10 +11,10 @@ use crate::methods::facet_masks::{Extent, FacetSource, MapSource};
 use crate::methods::strip_method::StripMethod;
 use crate::methods::{FacetMode, Settings};
 use crate::stages::PrefixScan;
-use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer, Texture};
+use crate::stages::gbuffer_triangles::{GbufferTriangles, SampleGbuffer, Texture, nearest_of};
 use crate::stages::pixel_receivers::{
-    GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS, PixelReceivers, PixelReceiversParams, ReceiverKeys,
-    ReceiverRoom, SeenCasters, Textures,
+    GIVEN_IDS, GIVEN_NORMAL_SAMPLES, GIVEN_NORMALS, GIVEN_POSITIONS, GIVEN_SAMPLES, GivenTexture, MOST_STEPS,
+    PixelReceivers, PixelReceiversParams, ReceiverKeys, ReceiverRoom, SeenCasters, Textures, unread_samples,
 };
 use crate::stages::surface_receivers::GivenSurfaces;
 use crate::stages::triangle_ids::{self, TriangleIds};
@@ -53,6 +53,8 @@ struct Receivers {
     keys: ReceiverKeys,
     /// Bound where no triangle numbers are given.
     no_ids: wgpu::TextureView,
+    /// Bound where all samples of pixels are, or none.
+    no_place: [wgpu::TextureView; 2],
 }
 
 impl GbufferStage {
@@ -94,7 +96,8 @@ impl GbufferStage {
                 };
                 let keys = &receivers.keys.keys;
                 if self.samples.is_some() {
-                    let given = GivenSurfaces { params: textures.params, place: &textures.place, keys };
+                    let place = receivers.given(&textures.place);
+                    let given = GivenSurfaces { params: textures.params, place, keys };
                     return method.record(
                         rec,
                         buffers,
@@ -139,25 +142,38 @@ impl GbufferStage {
 
 impl Receivers {
     fn new(device: &wgpu::Device, keys: ReceiverKeys, alpha: bool) -> Self {
-        let no_ids = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("pixel_receivers.no_ids"),
-            size: wgpu::Extent3d::default(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::R32Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        Self { stage: PixelReceivers::new(device, alpha), keys, no_ids: first_level(&no_ids) }
+        let unread = |label: &str, format: wgpu::TextureFormat| {
+            first_level(&device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            }))
+        };
+        let no_ids = unread("pixel_receivers.no_ids", wgpu::TextureFormat::R32Uint);
+        let no_place = unread("pixel_receivers.no_place", wgpu::TextureFormat::R32Float);
+        Self { stage: PixelReceivers::new(device, alpha), keys, no_ids, no_place: [no_place, unread_samples(device)] }
+    }
+
+    /// A texture as kernels take it.
+    fn given<'a>(&'a self, (view, multisampled): &'a (wgpu::TextureView, bool)) -> GivenTexture<'a> {
+        let [single, samples] = &self.no_place;
+        if *multisampled { GivenTexture { single, samples: view } } else { GivenTexture { single: view, samples } }
     }
 
     /// Records what pixels show, by the method's own search among its casters.
     fn record(&self, rec: &mut Recorder, frame: &Buffer<Frame>, given: &GivenTextures, with: With) -> Result<()> {
         let With { method, casters, faults, .. } = with;
         let GivenTextures { params, place, normals, ids } = given;
-        let textures =
-            Textures { place, normals: normals.as_ref().unwrap_or(place), ids: ids.as_ref().unwrap_or(&self.no_ids) };
+        let textures = Textures {
+            place: self.given(place),
+            normals: self.given(normals.as_ref().unwrap_or(place)),
+            ids: ids.as_ref().unwrap_or(&self.no_ids),
+        };
         let buffers = &casters.buffers;
         let surfaces =
             ReceiverRoom { numbers: &casters.numbers, triangles: &buffers.triangles, positions: &buffers.positions };
@@ -168,30 +184,39 @@ impl Receivers {
     }
 }
 
-/// Views of an application's textures, and what they contain.
+/// Views of an application's textures, whether each is multisampled, and what they contain.
 struct GivenTextures {
     params: PixelReceiversParams,
-    place: wgpu::TextureView,
-    normals: Option<wgpu::TextureView>,
+    place: (wgpu::TextureView, bool),
+    normals: Option<(wgpu::TextureView, bool)>,
     ids: Option<wgpu::TextureView>,
 }
 
 impl GivenTextures {
     /// Those of an image of so many pixels.
     fn new(given: &SurfaceTextures, size: [u32; 2]) -> Self {
-        let (place, mut params) = match given.place {
+        let mut params = PixelReceiversParams { tolerance: given.tolerance, ..PixelReceiversParams::at_centres() };
+        let texture = match given.place {
             SurfacePosition::Depth { texture, terms, nothing } => {
-                let (depth, tilt) = terms.over_image(size);
-                (first_level(texture), PixelReceiversParams { depth, tilt, nothing, ..PixelReceiversParams::default() })
+                (params.depth, params.tilt) = terms.over_image(size);
+                params.nothing = nothing;
+                texture
             }
-            SurfacePosition::Position(texture) => (
-                first_level(texture),
-                PixelReceiversParams { given: GIVEN_POSITIONS, ..PixelReceiversParams::default() },
-            ),
+            SurfacePosition::Position(texture) => {
+                params.given = GIVEN_POSITIONS;
+                texture
+            }
         };
-        params.tolerance = given.tolerance;
-        let normals = given.normals.map(first_level);
-        params.given |= if normals.is_some() { GIVEN_NORMALS } else { 0 };
+        let view = |texture: &wgpu::Texture| (first_level(texture), texture.sample_count() > 1);
+        let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+        let (place, normals) = (view(texture), given.normals.map(view));
+        if place.1 {
+            params.sample = nearest_of([0.5; 2], given.places);
+            params.at = given.places.get(params.sample as usize).copied().unwrap_or([0.5; 2]);
+        }
+        let several = normals.as_ref().is_some_and(|(_, several)| *several);
+        params.given |=
+            flag(place.1, GIVEN_SAMPLES) | flag(normals.is_some(), GIVEN_NORMALS) | flag(several, GIVEN_NORMAL_SAMPLES);
         let ids = given.ids.map(|ids| first_level(ids.texture));
         if let Some(ids) = given.ids {
             (params.first, params.none) = (ids.first, ids.none);

@@ -66,7 +66,7 @@ impl GbufferTrianglesParams {
 }
 
 /// The nearest of some places, of equally near ones the first.
-fn nearest_of(at: [f32; 2], places: &[[f32; 2]]) -> u32 {
+pub(crate) fn nearest_of(at: [f32; 2], places: &[[f32; 2]]) -> u32 {
     let distance = |p: &[f32; 2]| (0..2).map(|k| (f64::from(p[k]) - f64::from(at[k])).powi(2)).sum::<f64>();
     let all = (0..).zip(places);
     all.min_by(|(_, p), (_, q)| distance(p).total_cmp(&distance(q))).map_or(0, |(k, _)| k)

@@ -1,6 +1,6 @@
 //! Surface of each pixel, from an application's depth or position texture: casters, and surfaces that cast nothing.
 //!
-//! - **Reads** a texture of depths or world positions, if given world normals and triangle numbers. Where none are given, the casters' triangle at
+//! - **Reads** a texture of depths (of a multisampled one a sample of each pixel) or world positions, if given world normals and triangle numbers. Where none are given, the casters' triangle at
 //!   each pixel centre (`camera_visibility`), and the blocks of pixels that casters may touch: a pixel shows a caster if its surface lies on one, seen
 //!   or not, give or take a tolerance.
 //! - **Writes** `keys`: complement of each pixel's triangle, 0 where there is none. Of a pixel that shows no caster it is number
@@ -19,10 +19,11 @@
 use super::camera_visibility::Blocks;
 use crate::Result;
 use crate::frame::Frame;
-use crate::gpu::bindings::{TextureFloat, TextureUint};
+use crate::gpu::bindings::{TextureFloat, TextureFloatSamples, TextureUint};
 use crate::gpu::kernels::pixel_receivers as kernel;
 pub use crate::gpu::kernels::pixel_receivers::{
-    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, MOST_STEPS,
+    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMAL_SAMPLES, GIVEN_NORMALS, GIVEN_POSITIONS, GIVEN_SAMPLES,
+    MOST_STEPS,
 };
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::shared_struct;
@@ -36,26 +37,61 @@ shared_struct! {
         pub nothing: f32,
         /// How far from a caster's plane its surface may be said to be, in view depths.
         pub tolerance: f32,
-        /// [`GIVEN_POSITIONS`], [`GIVEN_NORMALS`], [`GIVEN_IDS`].
+        /// [`GIVEN_POSITIONS`], [`GIVEN_NORMALS`], [`GIVEN_IDS`]; of multisampled textures [`GIVEN_SAMPLES`], [`GIVEN_NORMAL_SAMPLES`].
         pub given: u32,
         /// The number of the application's first triangle.
         pub first: u32,
         /// Its number for no triangle of the casters.
         pub none: u32,
-        /// Unused.
-        pub pad: u32,
+        /// Of multisampled textures the sample that is read.
+        pub sample: u32,
         /// By how much `depth[0]` grows per pixel right and per pixel down: of an oblique near plane.
         pub tilt: [f32; 2],
+        /// Where in a pixel its surface is given: `[0, 1)`, x to the right, y down.
+        pub at: [f32; 2],
+        /// Unused.
+        pub pad: [f32; 2],
     }
+}
+
+impl PixelReceiversParams {
+    /// Parameters of surfaces that are given at pixel centres.
+    pub fn at_centres() -> Self {
+        Self { at: [0.5; 2], ..Self::default() }
+    }
+}
+
+/// A texture of one sample a texel, or a multisampled one; the other is bound but not read.
+#[derive(Clone, Copy, Debug)]
+pub struct GivenTexture<'a> {
+    /// Of one sample.
+    pub single: &'a wgpu::TextureView,
+    /// Of several.
+    pub samples: &'a wgpu::TextureView,
+}
+
+/// Makes a multisampled texture to be bound where none is given.
+pub fn unread_samples(device: &wgpu::Device) -> wgpu::TextureView {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("pixel_receivers.unread_samples"),
+        size: wgpu::Extent3d::default(),
+        mip_level_count: 1,
+        sample_count: 4,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Texture views, all of the size of the image; what `given` does not name is bound but not read.
 #[derive(Clone, Copy, Debug)]
 pub struct Textures<'a> {
-    /// Depth (`Depth32Float`, `R32Float`) or positions (`Rgba32Float`).
-    pub place: &'a wgpu::TextureView,
-    /// Normals (`Rgba16Float`, `Rgba32Float`).
-    pub normals: &'a wgpu::TextureView,
+    /// Depth (`Depth32Float`, `R32Float`) or positions (`Rgba32Float`, of one sample).
+    pub place: GivenTexture<'a>,
+    /// Normals (`Rgba16Float`, `Rgba32Float`, this one of one sample).
+    pub normals: GivenTexture<'a>,
     /// Triangle numbers (`R32Uint`).
     pub ids: &'a wgpu::TextureView,
 }
@@ -150,7 +186,9 @@ impl PixelReceivers {
         super::holds("pixel_receivers", "positions", room(positions.bytes(), 16, positions.len()), 3 * pixels)?;
         let numbers_given = params.given & GIVEN_IDS != 0;
         let params = self.uniforms.get(stage.device, &params)?;
-        let (frame, params, place) = (frame.as_uniform(), params.as_uniform(), TextureFloat(textures.place));
+        let (frame, params) = (frame.as_uniform(), params.as_uniform());
+        let place = TextureFloat(textures.place.single);
+        let place_samples = TextureFloatSamples(textures.place.samples);
         let (claims, places) = (claims.as_write(), positions.as_write());
         if !numbers_given {
             let id_keys = id_keys.as_read();
@@ -158,6 +196,7 @@ impl PixelReceivers {
                 frame,
                 params,
                 place,
+                place_samples,
                 id_keys,
                 triangles: triangles.as_read(),
                 positions: places,
@@ -168,6 +207,7 @@ impl PixelReceivers {
                 frame,
                 params,
                 place,
+                place_samples,
                 triangles: triangles.as_read(),
                 positions: places,
                 claims,
@@ -180,7 +220,9 @@ impl PixelReceivers {
             frame,
             params,
             place,
-            normals: TextureFloat(textures.normals),
+            place_samples,
+            normals: TextureFloat(textures.normals.single),
+            normal_samples: TextureFloatSamples(textures.normals.samples),
             ids: TextureUint(textures.ids),
             numbers: surfaces.numbers.as_read(),
             made_triangles: triangles.as_write(),

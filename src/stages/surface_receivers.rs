@@ -13,11 +13,11 @@
 //! - **Cost.** Three dispatches over pixels, which for most read a word, and one over complex pixels.
 
 use super::pixel_coverage::PairCoverage;
-use super::pixel_receivers::PixelReceiversParams;
+use super::pixel_receivers::{GivenTexture, PixelReceiversParams};
 use super::pixel_triangles::PixelLists;
 use crate::Result;
 use crate::frame::Frame;
-use crate::gpu::bindings::TextureFloat;
+use crate::gpu::bindings::{TextureFloat, TextureFloatSamples};
 use crate::gpu::kernels::surface_receivers as kernel;
 pub use crate::gpu::kernels::surface_receivers::WORKGROUP;
 use crate::gpu::{Buffer, Groups, Stage, Uniforms};
@@ -28,7 +28,7 @@ pub struct GivenSurfaces<'a> {
     /// Contents of the textures, as `pixel_receivers` has them.
     pub params: PixelReceiversParams,
     /// Depths or positions.
-    pub place: &'a wgpu::TextureView,
+    pub place: GivenTexture<'a>,
     /// Complement of each pixel's triangle.
     pub keys: &'a Buffer<u32>,
 }
@@ -140,7 +140,8 @@ impl SurfaceReceivers {
         let bindings = kernel::Choose {
             frame: frame.as_uniform(),
             params: params.as_uniform(),
-            place: TextureFloat(given.place),
+            place: TextureFloat(given.place.single),
+            place_samples: TextureFloatSamples(given.place.samples),
             keys: given.keys.as_read(),
             points: points.as_read(),
             cover_keys: lists.cover_keys.as_write(),
@@ -185,7 +186,8 @@ impl SurfaceReceivers {
             frame: frame.as_uniform(),
             params: params.as_uniform(),
             samples: samples.as_uniform(),
-            place: TextureFloat(given.place),
+            place: TextureFloat(given.place.single),
+            place_samples: TextureFloatSamples(given.place.samples),
             points: points.as_read(),
             pixel_counts: lists.counts.as_write(),
             chosen: chosen.as_write(),

@@ -1,6 +1,6 @@
 //! A facet for every surface, of which some are known by depth or position alone.
 
-use super::frames::{ORIGIN, draw, eyes};
+use super::frames::{ORIGIN, draw, draw_samples, eyes};
 use super::*;
 use subpixel_shadows::scene::{AlphaFilter, AlphaMap, AlphaTested, AlphaWrap, Roles, TestedTriangle};
 
@@ -87,6 +87,77 @@ fn a_ground_in_frames_of_an_application() {
             assert!(off(&moved, &want) > 300, "{name}, {}: a moved picture passes", eye.name);
         }
     }
+}
+
+/// The same with multisampled depths, of which none lies at a pixel's centre.
+#[gpu_test]
+fn a_ground_in_multisampled_frames() {
+    for name in ["spheres", "windmill"] {
+        let (all, casters, scene) = grounded(name, 0.01);
+        let mut as_caster = pass(settings(FacetMode::All, 32), &all);
+        let mut every = with_receivers(settings(FacetMode::All, 32), &casters, 1);
+        for eye in eyes(&scene).into_iter().filter(|eye| !eye.name.contains("oblique")) {
+            let (camera, drawn) = (eye.camera(), draw_samples(&all, &eye, 4));
+            let plain = Inputs { origin: Some(ORIGIN), ..Inputs::new(&camera, &scene.light) };
+            let (want, _) = frame(&mut as_caster, &Inputs { origin: None, ..plain });
+            let place = SurfacePosition::Depth { texture: &drawn.depth, terms: eye.terms(), nothing: eye.nothing };
+            let given = SurfaceTextures::new(place);
+            let mut ask = |given| {
+                let (got, status) = frame(&mut every, &Inputs { gbuffer: GBuffer::Surfaces(given), ..plain });
+                assert!(status.complete, "{name}, {}: {status:?}", eye.name);
+                off(&got, &want)
+            };
+            let wrong = ask(given);
+            // The same depths said to lie elsewhere in their pixels.
+            let places = [[0.625, 0.875], [0.125, 0.625], [0.875, 0.375], [0.375, 0.125]];
+            let elsewhere = ask(SurfaceTextures { places: &places, ..given });
+            println!("{name}, {}: {wrong} pixels are off, {elsewhere} by other places", eye.name);
+            assert!(wrong <= 24 && elsewhere > 3 * wrong + 20, "{name}, {}: {wrong}, {elsewhere}", eye.name);
+        }
+    }
+}
+
+#[gpu_test]
+fn multisampled_depths_that_do_not_fit_are_refused() {
+    let scene = scene("plane");
+    let samples = |format| {
+        gpu().device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("test"),
+            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 4,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        })
+    };
+    let (depth, normals) = (samples(TextureFormat::Depth32Float), samples(TextureFormat::Rgba16Float));
+    let single = texture(SIZE, 1, TextureFormat::R32Float, &[]);
+    let ids = texture(SIZE, 1, TextureFormat::R32Uint, &[]);
+    let of = |texture| {
+        let place = SurfacePosition::Depth { texture, terms: DepthTerms::reversed_infinite(0.1), nothing: 0.0 };
+        SurfaceTextures::new(place)
+    };
+    let [mut every, mut one] =
+        [FacetMode::All, FacetMode::One].map(|facets| with_receivers(settings(facets, 32), &scene.mesh, 1));
+    let plain = Inputs::new(&scene.camera, &scene.light);
+    let mut encoder = gpu().encoder();
+    let mut with = |pass: &mut ShadowPass, given: SurfaceTextures| {
+        pass.record(&mut encoder, &Inputs { gbuffer: GBuffer::Surfaces(given), ..plain }, &Target::default())
+    };
+    let given = SurfaceTextures { normals: Some(&normals), ..of(&depth) };
+    with(&mut every, given).expect("a frame");
+    refused("a facet for every surface", with(&mut one, given));
+    let places = SampleTexture::STANDARD_4;
+    refused("4 samples, 3 places", with(&mut every, SurfaceTextures { places: &places[1..], ..given }));
+    for bad in [[f32::NAN, 0.5], [0.5, 1.0]] {
+        let places = [places[0], places[1], bad, places[3]];
+        refused("sample 2", with(&mut every, SurfaceTextures { places: &places, ..given }));
+    }
+    let ids = Some(TriangleTexture::new(&ids));
+    refused("triangle numbers of one sample", with(&mut every, SurfaceTextures { ids, ..given }));
+    refused("normal", with(&mut every, SurfaceTextures { normals: Some(&normals), ..of(&single) }));
 }
 
 /// Casters that a ground hides are not seen through it, not even beside what stands before it.

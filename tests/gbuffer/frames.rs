@@ -60,6 +60,11 @@ pub(crate) struct Drawn {
 }
 
 pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
+    draw_samples(mesh, eye, 1)
+}
+
+/// Likewise depths of so many samples a pixel; of several nothing else is drawn.
+pub(crate) fn draw_samples(mesh: &Mesh, eye: &Eye, samples: u32) -> Drawn {
     let device = &gpu().device;
     let buffer = |bytes: &[u8], usage| {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
@@ -73,13 +78,13 @@ pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
     let view = buffer(bytemuck::cast_slice(&matrices), wgpu::BufferUsages::UNIFORM);
     let positions = buffer(bytemuck::cast_slice(&mesh.positions), wgpu::BufferUsages::STORAGE);
     let triangles = buffer(bytemuck::cast_slice(&mesh.triangles), wgpu::BufferUsages::STORAGE);
-    let target = |format, more| {
+    let target = |format, more, sample_count| {
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | more;
         device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d { width: TARGET[0], height: TARGET[1], depth_or_array_layers: 1 },
             mip_level_count: 1,
-            sample_count: 1,
+            sample_count,
             dimension: wgpu::TextureDimension::D2,
             format,
             usage,
@@ -87,8 +92,8 @@ pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
         })
     };
     let drawn = Drawn {
-        ids: target(TextureFormat::R32Uint, TextureUsages::COPY_SRC),
-        depth: target(TextureFormat::Depth32Float, TextureUsages::empty()),
+        ids: target(TextureFormat::R32Uint, TextureUsages::COPY_SRC, 1),
+        depth: target(TextureFormat::Depth32Float, TextureUsages::empty(), samples),
     };
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
@@ -112,8 +117,8 @@ pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
             stencil: Default::default(),
             bias: Default::default(),
         }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+        fragment: (samples == 1).then_some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("number"),
             compilation_options: Default::default(),
@@ -136,13 +141,14 @@ pub(crate) fn draw(mesh: &Mesh, eye: &Eye) -> Drawn {
     {
         let views = [&drawn.ids, &drawn.depth].map(|t| t.create_view(&Default::default()));
         let none = wgpu::Color { r: f64::from(u32::MAX), ..wgpu::Color::BLACK };
+        let numbers = [Some(wgpu::RenderPassColorAttachment {
+            view: &views[0],
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(none), store: wgpu::StoreOp::Store },
+        })];
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &views[0],
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(none), store: wgpu::StoreOp::Store },
-            })],
+            color_attachments: if samples > 1 { &[] } else { &numbers },
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &views[1],
                 depth_ops: Some(wgpu::Operations {

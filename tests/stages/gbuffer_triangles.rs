@@ -1,5 +1,6 @@
 //! Lists of triangles out of G-buffers of several samples a pixel: layers of a texture, and a multisampled one.
 
+use crate::support::multisampled::multisampled;
 use crate::support::shadow::{folding_gpu, samples, uniform};
 use crate::support::{POISON, Random, difference, gpu, padded, poisoned, read_padded, run, sizes_around, upload};
 use oracle::reference::gbuffer_triangles::{TexelMeaning, nearest, pixels, shown};
@@ -372,99 +373,18 @@ fn detects_corruption() {
 
 /// A texture of four samples and two channels, written sample by sample as hardware would, gives what layers give.
 #[gpu_test]
-fn multisampled() {
+fn samples_of_a_texture() {
     for (format, count) in [(wgpu::TextureFormat::Rg16Uint, 100_000), (wgpu::TextureFormat::R16Uint, 300)] {
         let mut case = Case::new([37, 21], 4, 32, count, 60, &mut Random::new(8));
         if format == wgpu::TextureFormat::R16Uint {
             let old = std::mem::replace(&mut case.none, 0xffff);
             case.layers.iter_mut().flatten().filter(|id| **id == old).for_each(|id| *id = 0xffff);
         }
-        let texture = multisampled_texture(gpu(), &case, format);
-        let view = texture.create_view(&Default::default());
+        let texels: Vec<[u32; 4]> = case.layers.iter().flatten().map(|id| [id & 0xffff, id >> 16, 0, 0]).collect();
+        let view = multisampled(gpu(), case.size, format, &texels);
         assert_same(&ask(gpu(), &case, Texture::Samples(&view)), &wanted(&case));
         let mut other = case.clone();
         other.layers.rotate_left(1);
         assert!(ask(gpu(), &case, Texture::Samples(&view)) != wanted(&other), "samples in another order pass");
     }
-}
-
-const COPY: &str = "
-@group(0) @binding(0) var layers: texture_2d_array<u32>;
-override SAMPLE: u32 = 0u;
-@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
-    return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-@fragment fn copy(@builtin(position) at: vec4<f32>) -> @location(0) vec2<u32> {
-    let id = textureLoad(layers, vec2<u32>(at.xy), SAMPLE, 0).x;
-    return vec2(id & 0xffffu, id >> 16u);
-}";
-
-fn multisampled_texture(gpu: &Gpu, case: &Case, format: wgpu::TextureFormat) -> wgpu::Texture {
-    let device = &gpu.device;
-    let layers = case.texture(gpu);
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("test.multisampled"),
-        size: wgpu::Extent3d { width: case.size[0], height: case.size[1], depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 4,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(COPY.into()),
-    });
-    let mut encoder = gpu.encoder();
-    for sample in 0..4u32 {
-        let constants = [("SAMPLE", f64::from(sample))];
-        let with = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: None,
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("corner"),
-                compilation_options: with.clone(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState { count: 4, mask: 1 << sample, alpha_to_coverage_enabled: false },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("copy"),
-                compilation_options: with,
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        let from = layers.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&from) }],
-        });
-        let to = texture.create_view(&Default::default());
-        let load = if sample == 0 { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &to,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-    }
-    gpu.submit_and_wait(encoder).expect("the samples are written");
-    texture
 }

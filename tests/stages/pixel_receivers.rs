@@ -1,8 +1,13 @@
 //! Surfaces out of depth and position textures: casters, and triangles made of what is none.
 
+mod case;
 mod far;
+mod samples;
 
-use crate::support::shadow::{World, camera, folding_gpu, random_scene, samples, uniform, unit, vector};
+use self::case::Case;
+use crate::support::shadow::{
+    World, camera, folding_gpu, random_scene, samples as sample_pattern, uniform, unit, vector,
+};
 use crate::support::{Random, difference, filled_texture, gpu, poisoned, read_padded, run, sizes_around, upload};
 use oracle::reference::pixel_receivers::{GbufferTexels, Ids, PixelContent, PositionSource, ReceiverPixel, pixels};
 use std::sync::OnceLock;
@@ -12,21 +17,11 @@ use subpixel_shadows::methods::prepared::padded;
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::camera_visibility::Blocks;
 use subpixel_shadows::stages::pixel_receivers::{
-    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, PixelReceivers, PixelReceiversParams,
-    ReceiverKeys, ReceiverRoom, SeenCasters, Textures,
+    FAULT_UNKNOWN, FAULT_UNUSABLE, GIVEN_IDS, GIVEN_NORMALS, GIVEN_POSITIONS, GivenTexture, PixelReceivers,
+    PixelReceiversParams, ReceiverKeys, ReceiverRoom, SeenCasters, Textures, unread_samples,
 };
 use subpixel_shadows::wgpu;
 use test_support::gpu_test;
-
-/// What an application hands over.
-#[derive(Clone)]
-struct Case {
-    depths: Option<(Vec<f32>, [f32; 4], f32)>,
-    positions: Vec<[f32; 4]>,
-    normals: Option<Vec<[f32; 4]>>,
-    ids: Option<(Vec<u32>, u32, u32, Vec<u32>)>,
-    seen: Vec<Option<u32>>,
-}
 
 const TOLERANCE: f32 = 1e-3;
 /// Reversed, infinite.
@@ -36,95 +31,9 @@ fn world(gpu: &'static Gpu, size: [u32; 2], random: &mut Random) -> World {
     let mesh = random_scene(random.below(4), random);
     let eye = vector(random).normalize() * (1.5 + 2.0 * unit(random));
     let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
-    let mut world = World::new(gpu, &mesh, camera(eye, vector(random) * 0.3, 50.0), light, size, 8, samples(8));
+    let mut world = World::new(gpu, &mesh, camera(eye, vector(random) * 0.3, 50.0), light, size, 8, sample_pattern(8));
     world.frame.image_size = size;
     world
-}
-
-impl Case {
-    /// Casters as they are seen, parts of them moved, a plane, and nothing, in patches.
-    fn new(world: &World, random: &mut Random) -> Self {
-        let seen: Vec<_> = world.seen().into_iter().map(|(_, t)| t).collect();
-        let [w, h] = world.view.image;
-        let (normal, offset) = (vector(random).normalize(), 2.0 + 3.0 * unit(random));
-        let mut depths = Vec::new();
-        for pixel in 0..w * h {
-            let ray = world.view.rays.direction(f64::from(pixel % w) + 0.5, f64::from(pixel / w) + 0.5);
-            let on = |t: u32| {
-                let [a, b, c] = world.triangles[t as usize].corners?;
-                let n = (b - a).cross(c - a);
-                Some(n.dot(a) / n.dot(ray) / world.view.scale)
-            };
-            let plane = offset / (1.5 + normal.dot(ray));
-            let depth = match (pixel % w / 5 + pixel / w / 4) % 4 {
-                0 => None,
-                1 => Some(plane),
-                _ if random.below(40) == 0 => None,
-                // One that lies behind or before others.
-                2 if random.below(3) == 0 => {
-                    let on_ray = |t: &u32| {
-                        let Some([a, b, c]) = world.triangles[*t as usize].corners else { return false };
-                        let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| p.cross(q).dot(ray));
-                        sides.iter().all(|&v| v > 0.0) || sides.iter().all(|&v| v < 0.0)
-                    };
-                    let all: Vec<u32> = (0..world.triangles.len() as u32).filter(on_ray).collect();
-                    all.get(random.below(all.len().max(1) as u32) as usize).copied().and_then(on)
-                }
-                k => seen[pixel as usize].and_then(on).map(|z| if k == 2 { z } else { z * 1.25 }),
-            };
-            depths.push(depth.filter(|z| *z > 1e-3 && *z < 1e3));
-        }
-        let value = |z: f64| ((f64::from(TERMS[0]) * z + f64::from(TERMS[1])) / z) as f32;
-        let position = |(pixel, z): (usize, &Option<f64>)| {
-            let ray = world.view.rays.direction((pixel % w as usize) as f64 + 0.5, (pixel / w as usize) as f64 + 0.5);
-            z.map_or([0.0; 4], |z| (world.view.rays.eye + ray * z).as_vec3().extend(1.0).into())
-        };
-        Self {
-            positions: depths.iter().enumerate().map(position).collect(),
-            depths: Some((depths.iter().map(|z| z.map_or(0.0, value)).collect(), TERMS, 0.0)),
-            normals: None,
-            ids: None,
-            seen,
-        }
-    }
-
-    fn by_position(mut self) -> Self {
-        self.depths = None;
-        self
-    }
-
-    fn with_normals(mut self, random: &mut Random) -> Self {
-        let normal = |_| (vector(random) * 2.0).as_vec3().extend(0.0).into();
-        self.normals = Some((0..self.seen.len()).map(normal).collect());
-        self
-    }
-
-    /// Numbers from 10 on, none being 3.
-    fn with_ids(mut self, casters: u32, random: &mut Random) -> Self {
-        let numbers: Vec<u32> = (0..casters).rev().collect();
-        let of = |t: &Option<u32>| match t {
-            Some(t) if random.below(3) > 0 => 10 + casters - 1 - t,
-            _ if random.below(30) == 0 => random.below(10),
-            _ => 3,
-        };
-        let texels = self.seen.iter().map(of).collect();
-        self.ids = Some((texels, 10, 3, numbers));
-        self
-    }
-
-    fn given(&self) -> GbufferTexels<'_> {
-        let places = match &self.depths {
-            Some((values, terms, nothing)) => PositionSource::Depths { values, terms: *terms, nothing: *nothing },
-            None => PositionSource::Positions(&self.positions),
-        };
-        let ids: Option<Ids> = self.ids.as_ref().map(|(t, first, none, n)| (&t[..], *first, *none, &n[..]));
-        GbufferTexels { places, normals: self.normals.as_deref(), ids, tolerance: f64::from(TOLERANCE) }
-    }
-
-    fn wanted(&self, world: &World) -> Vec<ReceiverPixel> {
-        let corners: Vec<_> = world.triangles.iter().map(|t| t.corners).collect();
-        pixels(&world.view, &corners, &self.seen, &self.given())
-    }
 }
 
 fn blocks<'a>(world: &'a World, offsets: &'a Buffer<u32>, args: &'a Buffer<u32>) -> Blocks<'a> {
@@ -161,7 +70,7 @@ fn ask(world: &World, case: &Case) -> Got {
         given: given(case.depths.is_none(), GIVEN_POSITIONS)
             | given(case.normals.is_some(), GIVEN_NORMALS)
             | given(case.ids.is_some(), GIVEN_IDS),
-        ..PixelReceiversParams::default()
+        ..PixelReceiversParams::at_centres()
     };
     let place = match &case.depths {
         Some((values, terms, nothing)) => {
@@ -193,8 +102,15 @@ fn ask(world: &World, case: &Case) -> Got {
     let seen = SeenCasters { blocks: blocks(world, &offsets, &args), id_keys: &id_keys };
     let faults = upload(gpu, &[7u32, 8, 0, 0]);
     let frame = uniform(gpu, &world.frame);
+    let samples = samples::textures(gpu, case, size, &mut params);
     run(gpu, |s| {
-        let textures = Textures { place: &place, normals: normals.as_ref().unwrap_or(&place), ids: &ids };
+        let [place_samples, normal_samples] = &samples;
+        let normals = normals.as_ref().unwrap_or(&place);
+        let textures = Textures {
+            place: GivenTexture { single: &place, samples: place_samples },
+            normals: GivenTexture { single: normals, samples: normal_samples },
+            ids: &ids,
+        };
         let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
         stage.record(s, &frame, params, textures, surfaces, seen, &to, &faults)
     });
@@ -300,6 +216,7 @@ fn empty() {
         normals: None,
         ids: None,
         seen: world.seen().into_iter().map(|(_, t)| t).collect(),
+        sample: None,
     };
     assert!(check(&world, &nothing).keys[..15].iter().all(|&k| k == 0));
     assert!(check(&world, &nothing.by_position()).keys[..15].iter().all(|&k| k == 0));
@@ -316,6 +233,7 @@ fn one() {
         normals: None,
         ids: None,
         seen: vec![None],
+        sample: None,
     };
     // Without neighbours it faces the eye.
     check(&world, &alone);
@@ -418,7 +336,7 @@ fn overflow_by_one() {
         let world = world(gpu(), [pixels, 1], &mut random);
         check(&world, &Case::new(&world, &mut random).with_normals(&mut random));
     }
-    let stage = PixelReceivers::new(&gpu().device, false);
+    let (stage, unread) = (PixelReceivers::new(&gpu().device, false), unread_samples(&gpu().device));
     let (device, queue) = (&gpu().device, &gpu().queue);
     let view = filled_texture(gpu(), [1, 1], wgpu::TextureFormat::R32Float, &[0; 4]);
     let ids = filled_texture(gpu(), [1, 1], wgpu::TextureFormat::R32Uint, &[0; 4]);
@@ -431,11 +349,12 @@ fn overflow_by_one() {
         let triangles = Buffer::with_room(device, queue, "test", &[], t).expect("memory");
         let positions = Buffer::with_room(device, queue, "test", &[], v).expect("memory");
         run(gpu(), |s| {
-            let textures = Textures { place: &view, normals: &view, ids: &ids };
+            let given = GivenTexture { single: &view, samples: &unread };
+            let textures = Textures { place: given, normals: given, ids: &ids };
             let surfaces = ReceiverRoom { numbers: &numbers, triangles: &triangles, positions: &positions };
             let seen = SeenCasters { blocks: blocks(&world, &offsets, &args), id_keys: &id_keys };
             let asked =
-                stage.record(s, &frame, PixelReceiversParams::default(), textures, surfaces, seen, &to, &faults);
+                stage.record(s, &frame, PixelReceiversParams::at_centres(), textures, surfaces, seen, &to, &faults);
             if !enough {
                 assert!(asked.is_err(), "{t} triangles and {v} vertices pass for eight pixels");
             }

@@ -5,6 +5,7 @@ pub mod depth_map;
 pub mod geometry;
 pub mod masks;
 pub mod meshes;
+pub mod multisampled;
 pub mod pages;
 pub mod pair_lists;
 pub mod pixels;

@@ -10,7 +10,7 @@ use subpixel_shadows::glam::{DVec2, DVec3, Vec3};
 use subpixel_shadows::gpu::{Buffer, Gpu, Groups};
 use subpixel_shadows::scene::Light;
 use subpixel_shadows::stages::pixel_coverage::{Covering, PairCoverage};
-use subpixel_shadows::stages::pixel_receivers::{GIVEN_POSITIONS, PixelReceiversParams};
+use subpixel_shadows::stages::pixel_receivers::{GIVEN_POSITIONS, GivenTexture, PixelReceiversParams, unread_samples};
 use subpixel_shadows::stages::pixel_triangles::{PixelLists, PixelPair};
 use subpixel_shadows::stages::surface_receivers::{
     GivenSurfaces, ListedPixels, ReceiverPlaces, SurfaceReceivers, WORKGROUP,
@@ -132,9 +132,12 @@ fn ask(case: &Case, room: Option<usize>) -> Got {
     let (positions, points) = (with_room(&all), with_room(&vec![[f32::NAN; 4]; all.len()]));
     let (size, format) = (world.view.image, wgpu::TextureFormat::Rgba32Float);
     let place = filled_texture(gpu, size, format, bytemuck::cast_slice(&case.texels));
-    let params = PixelReceiversParams { given: GIVEN_POSITIONS, tolerance: TOLERANCE, ..Default::default() };
+    let params =
+        PixelReceiversParams { given: GIVEN_POSITIONS, tolerance: TOLERANCE, ..PixelReceiversParams::at_centres() };
+    let unread = unread_samples(&gpu.device);
     let keys = upload(gpu, &case.keys);
-    let given = GivenSurfaces { params, place: &place, keys: &keys };
+    let place = GivenTexture { single: &place, samples: &unread };
+    let given = GivenSurfaces { params, place, keys: &keys };
     let offsets_of_samples = Buffer::uniform(&gpu.device, "samples", 64).expect("memory");
     offsets_of_samples.write(&gpu.queue, &sample_words(&world.samples));
     let mut frame = world.frame;
@@ -440,7 +443,9 @@ fn overflow_by_one() {
     let lists = PixelLists::new(&world.gpu.device, 1, 1).expect("memory");
     let (word, frame) = (upload(world.gpu, &[0u32]), uniform(world.gpu, &world.frame));
     let place = filled_texture(world.gpu, [1, 1], wgpu::TextureFormat::R32Float, &[0; 4]);
-    let given = GivenSurfaces { params: Default::default(), place: &place, keys: &word };
+    let unread = unread_samples(&world.gpu.device);
+    let place = GivenTexture { single: &place, samples: &unread };
+    let given = GivenSurfaces { params: Default::default(), place, keys: &word };
     let stage = SurfaceReceivers::new(&world.gpu.device, 8);
     run(world.gpu, |s| {
         let places = ReceiverPlaces { positions: &none, points: &none };

@@ -33,6 +33,8 @@ pub struct GbufferTexels<'a> {
     pub ids: Option<Ids<'a>>,
     /// How far from a caster's plane its surface may be said to be, in view depths.
     pub tolerance: f64,
+    /// Where in a pixel they are given.
+    pub at: [f64; 2],
 }
 
 /// Content of a pixel.
@@ -97,7 +99,8 @@ struct Asked<'a> {
 impl Asked<'_> {
     fn ray(&self, pixel: usize) -> DVec3 {
         let width = self.view.image[0] as usize;
-        self.view.rays.direction((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5)
+        let [x, y] = self.given.at;
+        self.view.rays.direction((pixel % width) as f64 + x, (pixel / width) as f64 + y)
     }
 
     /// The neighbour of a pixel.
@@ -300,7 +303,7 @@ mod tests {
         let values = [2.0, 4.0, 0.0, nan];
         // Depth as it is, nothing at 0.
         let places = PositionSource::Depths { values: &values, terms: [1.0, 0.0, 0.0, 1.0], nothing: 0.0 };
-        let given = GbufferTexels { places, normals: None, ids: None, tolerance: 1e-4 };
+        let given = GbufferTexels { places, normals: None, ids: None, tolerance: 1e-4, at: [0.5; 2] };
         let got = pixels(&view, &corners, &[Some(0); 4], &given);
         assert_eq!(
             (got[0].shown, got[2].shown, got[3].shown),
