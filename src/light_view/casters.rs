@@ -16,10 +16,10 @@ const AXES: usize = 8;
 const GROWN: f64 = 1.0 / 64.0;
 
 /// Points that a view has to hold beside the small triangles, so that it holds every caster where it can shadow something. Of the
-/// largest triangles only the part counts that lies before something that can be lit: a ground casts on nothing but what sticks
+/// largest triangles only the part counts that lies before something that can be lit, of `all` triangles: a ground casts on nothing but what sticks
 /// into it, and does not widen the view. `small`: the view of the small triangles, if there is one that holds them.
 pub(super) fn of_large_casters(
-    casters: MeshAndTree,
+    (casters, all): (MeshAndTree, MeshAndTree),
     light: &Light,
     (lo, hi): (DVec3, DVec3),
     small: Option<LightView>,
@@ -37,12 +37,12 @@ pub(super) fn of_large_casters(
     let of_one = |&t: &u32| {
         let corners = mesh.corners(t as usize);
         if receivers == Receivers::Planes {
-            part_before_a_box(casters, corners, light, slack)
+            part_before_a_box(all, corners, light, slack)
         } else if small.is_some_and(|view| corners.iter().all(|&p| inside(&view, p))) {
             corners.to_vec()
         } else {
             LargeCaster::new(corners, light, slack)
-                .map_or_else(Vec::new, |caster| caster.part_that_casts(casters, light, receivers))
+                .map_or_else(Vec::new, |caster| caster.part_that_casts(all, light, receivers))
         }
     };
     tree.large().par_iter().flat_map_iter(of_one).collect()

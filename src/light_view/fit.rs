@@ -32,24 +32,27 @@ impl LightView {
     /// As [`LightView::fit`].
     pub fn fit_for(mesh: &Mesh, light: &Light, map_size: u32, receivers: Receivers) -> Result<Self> {
         mesh.check("mesh")?;
-        Self::fit_casters(MeshAndTree { mesh, tree: &MeshTree::new(mesh) }, light, map_size, receivers)
+        let tree = &MeshTree::new(mesh);
+        let all = MeshAndTree { mesh, tree };
+        Self::fit_casters(all, all, light, map_size, receivers)
     }
 
-    /// Likewise of a mesh that was checked, and whose tree is known.
+    /// Likewise of triangles that were checked and whose trees are known: those that cast, and among `all` others that only receive.
     pub(crate) fn fit_casters(
         casters: MeshAndTree,
+        all: MeshAndTree,
         light: &Light,
         map_size: u32,
         receivers: Receivers,
     ) -> Result<Self> {
         check(light, map_size)?;
-        let all = Points { casters: Some((casters, Which::All)), more: &[] };
-        let bounds = casters.tree.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
+        let every = Points { casters: Some((casters, Which::All)), more: &[] };
+        let bounds = all.tree.bounds().unwrap_or((DVec3::ZERO, DVec3::ONE));
         let middle = (bounds.0 + bounds.1) * 0.5;
         let ends = [bounds.0, bounds.1];
-        let all = if all.is_empty() { Points::of(&ends) } else { all };
+        let every = if every.is_empty() { Points::of(&ends) } else { every };
         if receivers == Receivers::Anything {
-            return Ok(Self::holding(all, middle, light, map_size));
+            return Ok(Self::holding(every, middle, light, map_size));
         }
         let closed = receivers == Receivers::Outsides;
         // Of small triangles none is left out.
@@ -64,11 +67,11 @@ impl LightView {
                 return Ok(Self { closed, ends, ..view });
             }
         }
-        let of_large = of_large_casters(casters, light, bounds, small.filter(|view| view.complete), receivers);
+        let of_large = of_large_casters((casters, all), light, bounds, small.filter(|view| view.complete), receivers);
         points.more = &of_large;
         if points.is_empty() {
             // Nothing casts on anything: any view will do that is one.
-            points = all;
+            points = every;
         }
         let l = light.homogeneous();
         if light.is_directional() {
@@ -80,10 +83,10 @@ impl LightView {
         let view = Self::perspective(points, light, axis, map_size);
         // What casts nothing, such as a ground, is better in front of the light too: what reaches behind it is looked at in
         // every texel.
-        let left = |view: &Self| (!view.complete, casters.not_in_front(view));
+        let left = |view: &Self| (!view.complete, all.not_in_front(view));
         let mut best = (left(&view), view);
         if best.0 > (false, 0) {
-            for axis in casters.facing_axes(&view, light) {
+            for axis in all.facing_axes(&view, light) {
                 let turned = Self::perspective(points, light, axis, map_size);
                 let left = left(&turned);
                 if left < best.0 {
@@ -465,7 +468,8 @@ mod tests {
         over.triangles[2..].iter_mut().for_each(|t| t.swap(1, 2));
         let light = Light::Directional { direction: [0.3, 1.0, 0.2] };
         let casters = MeshAndTree { mesh: &over, tree: &MeshTree::new(&over) };
-        let points = |receivers| of_large_casters(casters, &light, over.bounds().unwrap(), None, receivers).len();
+        let points =
+            |receivers| of_large_casters((casters, casters), &light, over.bounds().unwrap(), None, receivers).len();
         let (a, b) = (points(Receivers::Outsides), points(Receivers::Surfaces));
         assert!(a == 0 && b > 0, "{a} {b}");
     }

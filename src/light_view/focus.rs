@@ -127,8 +127,8 @@ impl LightView {
     fn part_of(&self, polygon: &[DVec3]) -> Part {
         let along = Part::new([DVec3::X, DVec3::Y], polygon);
         // Lengths of the world, in which a turned box is one, too.
-        let unit = DVec2::new(self.v.truncate().length(), self.u.truncate().length());
-        let unit = unit / unit.max_element();
+        let fine = self.texels_across();
+        let unit = DVec2::new(fine.y, fine.x) / fine.max_element();
         let turned = |(k, p): (usize, &DVec3)| {
             let q = polygon[(k + 1) % polygon.len()];
             let dir = ((q - *p).truncate() * unit).try_normalize()?;

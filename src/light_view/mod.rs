@@ -19,7 +19,7 @@ pub(crate) use points::MeshAndTree;
 use seen_box::SeenBox;
 pub use split_plan::{PartBy, SplitPlan, Warp};
 
-use glam::{DMat3, DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
 /// Rows that take a world point `p` to the light view: texel `x = u·(p,1) / w·(p,1)`, likewise `y` and `depth`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,6 +126,13 @@ impl LightView {
         let p = point.extend(1.0);
         let w = self.w.dot(p);
         (w > self.near).then(|| DVec3::new(self.u.dot(p), self.v.dot(p), self.z.dot(p)) / w)
+    }
+
+    /// Texels along each side for a unit of length across the view's axis, of a light at a point where the divisor is 1. Not of paraboloids.
+    pub(crate) fn texels_across(&self) -> DVec2 {
+        let axis = self.w.truncate().normalize_or_zero();
+        let across = |row: DVec4| (row.truncate() - axis * axis.dot(row.truncate())).length();
+        DVec2::new(across(self.u), across(self.v))
     }
 
     /// The view with its texels moved by shares of one, each within a half to either side; all that it held it holds, in texels larger by one in the

@@ -10,6 +10,7 @@ use crate::scene::{AlphaTested, Camera, Light, Mesh};
 use crate::stages::sample_surfaces::SEVERAL;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
@@ -45,6 +46,10 @@ pub(crate) struct KnownFacts {
     pub in_one_plane: OnceLock<bool>,
     /// Boxes of its objects.
     pub objects: OnceLock<Vec<(DVec3, DVec3)>>,
+    /// Its triangles that cast in no light.
+    pub silent: OnceLock<BTreeSet<u32>>,
+    /// The others, and their tree; `None` where all cast.
+    pub casting: OnceLock<Option<Arc<(Mesh, MeshTree)>>>,
     /// A triangle that may show eye and light the same side.
     pub facing_both: Counterexample,
     /// One that may not.
@@ -166,6 +171,32 @@ impl Prepared {
 
     pub(crate) fn casters(&self) -> MeshAndTree<'_> {
         MeshAndTree { mesh: &self.mesh, tree: self.tree() }
+    }
+
+    /// Those of the triangles that cast in some light ([`Roles::casts`](crate::scene::Roles::casts)), in a mesh of their own where others do not.
+    pub(crate) fn casting(&self) -> MeshAndTree<'_> {
+        let own = self.known.casting.get_or_init(|| {
+            let silent = self.silent();
+            (!silent.is_empty()).then(|| {
+                let all = (0..).zip(&self.mesh.triangles);
+                let triangles = all.filter(|(t, _)| !silent.contains(t)).map(|(_, corners)| *corners).collect();
+                let mesh = Mesh { triangles, ..self.mesh.as_ref().clone() };
+                let tree = MeshTree::new(&mesh);
+                Arc::new((mesh, tree))
+            })
+        });
+        own.as_ref().map_or_else(|| self.casters(), |own| MeshAndTree { mesh: &own.0, tree: &own.1 })
+    }
+
+    /// Those that do not.
+    fn silent(&self) -> &BTreeSet<u32> {
+        let of_alpha = || self.alpha.triangles.iter().filter(|of| of.roles.casts == 0).map(|of| of.triangle).collect();
+        self.known.silent.get_or_init(of_alpha)
+    }
+
+    /// Whether no triangle casts in any light.
+    pub(crate) fn none_cast(&self) -> bool {
+        self.silent().len() == self.mesh.triangles.len()
     }
 
     /// Whether `light` is outside all closed bodies that are turned outward ([`Prepared::bodies`]), and there are any: what turns away
@@ -311,6 +342,8 @@ pub struct CasterBuffers {
 mod tests {
     use super::*;
     use crate::light_view::{LightView, Receivers};
+    use crate::samples::{Pattern, Samples};
+    use crate::scene::Roles;
 
     #[test]
     fn a_mesh_built_by_hand_that_cannot_be_used_is_an_error() {
@@ -335,6 +368,44 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_casts_nothing_does_not_widen_the_light_view() {
+        // Balls without their slab.
+        let mut scene = crate::test_scenes::builtin("spheres");
+        scene.mesh.triangles.drain(..12);
+        let (mut mesh, casters) = (scene.mesh.clone(), scene.mesh.triangles.len() as u32);
+        // A terrain of small triangles.
+        const SIDE: u32 = 80;
+        let first = mesh.positions.len() as u32;
+        let place = |k: u32| 0.5 * (k as f32 - 0.5 * SIDE as f32);
+        mesh.positions.extend((0..=SIDE * (SIDE + 2)).map(|k| [place(k % (SIDE + 1)), -3.0, place(k / (SIDE + 1))]));
+        for k in (0..SIDE * (SIDE + 1)).filter(|k| k % (SIDE + 1) < SIDE) {
+            let corner = first + k;
+            mesh.triangles.push([corner, corner + SIDE + 1, corner + 1]);
+        }
+        let mut silent = AlphaTested::default();
+        silent.set_roles(casters..mesh.triangles.len() as u32, Roles::RECEIVE_ONLY);
+        let settings = crate::methods::Settings::new([64, 48], 256, Samples::new(Pattern::LowDiscrepancy, 8).unwrap());
+        for light in [scene.light, Light::Point { position: [2.0, 9.0, 1.0] }] {
+            let view = |mesh: &Mesh, alpha: &AlphaTested| {
+                settings.light_view(&Prepared::with_alpha(mesh, alpha).unwrap(), &light).unwrap()
+            };
+            let fine = |view: &LightView| view.texels_across().element_product();
+            let [alone, all] = [&scene.mesh, &mesh].map(|mesh| view(mesh, &AlphaTested::default()));
+            let told = view(&mesh, &silent);
+            assert!(told.complete && fine(&told) > 0.3 * fine(&alone), "{} of {}", fine(&told), fine(&alone));
+            assert!(fine(&told) > 5.0 * fine(&all), "{} of {}", fine(&told), fine(&all));
+            for p in (0..casters as usize).flat_map(|t| scene.mesh.corners(t)) {
+                let at = told.project(p).unwrap().truncate();
+                assert!(at.min_element() >= 0.0 && at.max_element() <= 256.0, "{p:?} at {at}");
+            }
+        }
+        // Where nothing casts there is a view all the same.
+        silent.set_roles(0..casters, Roles::NEITHER);
+        let none = Prepared::with_alpha(&mesh, &silent).unwrap();
+        assert!(none.none_cast() && settings.light_view(&none, &scene.light).unwrap().complete);
     }
 
     #[test]

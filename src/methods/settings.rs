@@ -226,8 +226,8 @@ impl Settings {
     /// As [`LightView::fit`].
     pub fn light_view(&self, prepared: &Prepared, light: &Light) -> Result<LightView> {
         light.check()?;
-        let casters = prepared.casters();
-        let fit = |receivers| LightView::fit_casters(casters, light, self.map, receivers);
+        let (casting, all) = (prepared.casting(), prepared.casters());
+        let fit = |receivers| LightView::fit_casters(casting, all, light, self.map, receivers);
         let outside = prepared.backs_add_nothing(light);
         let beyond = self.facets == FacetMode::One && self.samples.count() > 1;
         if beyond && !self.validity {
@@ -254,7 +254,7 @@ impl Settings {
         if view.complete {
             return Ok(vec![view]);
         }
-        let cube = LightView::cube_of(prepared.casters(), light, self.map)?;
+        let cube = LightView::cube_of(prepared.casting(), light, self.map)?;
         Ok(cube.into_iter().map(|side| LightView { outside: view.outside, ..side }).collect())
     }
 

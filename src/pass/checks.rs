@@ -73,7 +73,7 @@ impl ShadowPass {
             }
             let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
             parts.check(inputs.parts, &limits)?;
-            return Ok(parts.boxes(inputs.parts).into_iter().reduce(join).unwrap_or((DVec3::ZERO, DVec3::ONE)));
+            return Ok(parts.boxes(inputs.parts, false).into_iter().reduce(join).unwrap_or((DVec3::ZERO, DVec3::ONE)));
         }
         if let [first, ..] = inputs.parts {
             let (number, count) = (first.part, inputs.parts.len());

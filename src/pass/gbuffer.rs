@@ -133,7 +133,7 @@ pub struct SurfaceTextures<'a> {
     /// Where the surfaces are.
     pub place: SurfacePosition<'a>,
     /// Their geometric normals, world space, any length but 0, of either side; `Rgba16Float` or `Rgba32Float`, alpha is not
-    /// read. With multisampled depths those of each sample, or one a pixel. `None`: reconstructed from the nearest pixels in its row and column that show no caster, of two
+    /// read. With multisampled depths those of each sample, or one a pixel, that of the surface which the sample nearest to the centre shows. `None`: reconstructed from the nearest pixels in its row and column that show no caster, of two
     /// the one whose depth differs less.
     pub normals: Option<&'a wgpu::Texture>,
     /// Which pixels show casters: the rest show something else, or nothing. `None`: found out.

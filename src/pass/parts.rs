@@ -312,12 +312,14 @@ impl PartSet {
         }
     }
 
-    /// The boxes of parts that have triangles, of which those that move are where a frame says, which has been checked.
-    pub fn boxes(&self, places: &[PartPlace]) -> Vec<(DVec3, DVec3)> {
+    /// The boxes of parts that have triangles, of which those that move are where a frame says, which has been checked. `casting`: of what casts in
+    /// some light.
+    pub fn boxes(&self, places: &[PartPlace], casting: bool) -> Vec<(DVec3, DVec3)> {
         let told: BTreeMap<u32, [[f32; 3]; 2]> = places.iter().map(|place| (place.part, place.at.bounds())).collect();
         let of_part = |(number, part): (&u32, &Arc<HeldPart>)| match (&part.source, told.get(number)) {
+            (PlaceSource::Standing, _) if casting => part.prepared.casting().tree.bounds(),
             (PlaceSource::Standing, _) => part.prepared.tree().bounds(),
-            _ if part.at[TRIANGLES].is_empty() => None,
+            _ if part.at[TRIANGLES].is_empty() || (casting && part.prepared.none_cast()) => None,
             (_, told) => told.map(|ends| ends.map(|p| Vec3::from(p).as_dvec3())).map(|[low, high]| (low, high)),
         };
         self.parts.iter().filter_map(of_part).collect()

@@ -22,7 +22,7 @@ impl ShadowPass {
         let casters = &self.casters;
         match (&casters.parts, settings.partition) {
             (_, plan) if plan.is_none_or(|plan| plan.by != PartBy::ReceiverClusters) => Vec::new(),
-            (Some(parts), _) => parts.boxes(inputs.parts),
+            (Some(parts), _) => parts.boxes(inputs.parts, false),
             _ if casters.are_known() => casters.prepared.objects().to_vec(),
             _ => Vec::new(),
         }
@@ -68,7 +68,7 @@ impl Views {
         }
         if !casters.are_known() {
             let outside = casters.parts.as_ref().is_some_and(|parts| parts.backs_add_nothing(light));
-            let boxes = casters.parts.as_ref().map_or_else(|| vec![bounds], |parts| parts.boxes(inputs.parts));
+            let boxes = casters.parts.as_ref().map_or_else(|| vec![bounds], |parts| parts.boxes(inputs.parts, true));
             let around = Self::around(bounds, &boxes, light, map, cone)?;
             return Ok(around.into_iter().map(|view| LightView { outside, ..view }).collect());
         }
@@ -80,13 +80,13 @@ impl Views {
         {
             return Ok(views.clone());
         }
-        let of = prepared.casters();
+        let of = prepared.casting();
         let whole = |view: LightView| LightView { outside: prepared.backs_add_nothing(light), ..view };
         let in_cone = if cone { LightView::cone_of(of, light, map, range)? } else { None };
         let views = if let Some(view) = in_cone {
             vec![whole(view)]
         } else if all {
-            let view = LightView::fit_casters(of, light, map, Receivers::Anything)?;
+            let view = LightView::fit_casters(of, of, light, map, Receivers::Anything)?;
             let views = if view.complete { vec![view] } else { LightView::cube_within(of, light, map, range)? };
             views.into_iter().map(whole).collect()
         } else {

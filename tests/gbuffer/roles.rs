@@ -136,6 +136,44 @@ fn lights_of_one_frame_have_layers_of_their_own() {
     }
 }
 
+/// A terrain of small triangles that casts nothing lies outside the light's view, and receives all the same.
+#[gpu_test]
+fn a_terrain_that_casts_nothing_receives() {
+    let mut scene = scene("spheres");
+    let casters = scene.mesh.triangles.len() as u32;
+    const SIDE: u32 = 60;
+    let (first, place) = (scene.mesh.positions.len() as u32, |k: u32| 0.4 * (k as f32 - 0.5 * SIDE as f32));
+    let ground = scene.mesh.bounds().expect("a mesh").0.y as f32 - 0.3;
+    for k in 0..(SIDE + 1) * (SIDE + 1) {
+        let [x, z] = [k % (SIDE + 1), k / (SIDE + 1)].map(place);
+        scene.mesh.positions.push([x, ground + 0.1 * (x * 0.7).sin(), z]);
+        if k % (SIDE + 1) < SIDE && k / (SIDE + 1) < SIDE {
+            let [a, b] = [first + k, first + k + SIDE + 1];
+            scene.mesh.triangles.extend([[a, b, a + 1], [a + 1, b, b + 1]]);
+        }
+    }
+    // The slab is gone: balls float above the terrain.
+    scene.mesh.triangles[..12].fill([0; 3]);
+    let settings = settings(FacetMode::All, 32);
+    let mut pairs = Vec::new();
+    for roles in [Roles::RECEIVE_ONLY, Roles::ALL] {
+        let mut tested = AlphaTested::default();
+        tested.set_roles(casters..scene.mesh.triangles.len() as u32, roles);
+        let mut pass = pass_of(&settings, &scene.mesh, &tested, MethodName::FacetMasks);
+        let among = Light::Point { position: [0.8, 1.9, 0.9] };
+        for light in [Light::Directional { direction: [0.5, 1.0, 0.3] }, among] {
+            let (picture, status) = frame(&mut pass, &Inputs::new(&scene.camera, &light));
+            let truth = truth(&scene, &tested, &light, u8::MAX, &settings.samples);
+            assert!(status.complete, "{roles:?}: {status:?}");
+            assert_eq!(off(&picture.lit, &truth), 0, "{roles:?}, {light:?}: samples wrong");
+            let shadowed = truth.pixels.iter().filter(|p| p.visibility < 1.0).count();
+            assert!(shadowed > 300, "{roles:?}, {light:?}: {shadowed} pixels in shadow");
+            pairs.push(status.counts.visibility_evaluations);
+        }
+    }
+    assert!(pairs[0] * 10 < pairs[2] * 9, "evaluations: {pairs:?}");
+}
+
 /// Triangle numbers that the application drew with the hardware's rasterizer, without what is unseen.
 #[gpu_test]
 fn drawn_frames_know_roles() {
