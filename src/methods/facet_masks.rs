@@ -88,9 +88,9 @@ impl FacetMasks {
         let facets = (c.facets != now.facets)
             .then(|| FacetMemory::new(device, &self.settings, m.scan_scratch.capacity(), c.facets));
         let facets = facets.transpose()?;
-        let runs = |c: Capacities| (c.views, c.bands);
         let of_runs = || Ok((frames(device, c)?, Buffer::storage(device, "status", Status::words(c.all_bands()))?));
-        let of_runs = (runs(c) != runs(now)).then(of_runs).transpose()?;
+        // Those of the most views so far: a camera that turns sees another number of a cube's sides now and then.
+        let of_runs = (!self.has_room_for(c)).then(of_runs).transpose()?;
         let totals = [m.visibility.len(), c.facets, m.geometry.facts.light_items.len()];
         let sizes = |c: Capacities| (pairs(c), c.facets);
         let requests = (sizes(c) != sizes(now)).then(|| requests(device, queue, totals, c)).transpose()?;
@@ -113,6 +113,11 @@ impl FacetMasks {
         }
         self.capacities = capacities;
         Ok(())
+    }
+
+    /// Whether there are uniforms and counters for as many views and bands.
+    pub(crate) fn has_room_for(&self, capacities: Capacities) -> bool {
+        capacities.all_bands() <= self.memory.frames.len()
     }
 
     /// Says whether frames from now on keep the facets that they find, for the frames of other lights ([`FacetSource::Kept`]).
@@ -185,7 +190,7 @@ impl FacetMasks {
             | flag(s.keeps_validity(), Frame::VALIDITY)
             | flag(s.facets == FacetMode::All, Frame::CLAMP)
             | flag(!s.settle, Frame::ALL_UNDECIDED);
-        let mut frames = Vec::with_capacity(self.memory.frames.len());
+        let mut frames = Vec::with_capacity(self.capacities.all_bands());
         for (k, view) in views.iter().enumerate() {
             let mut frame = Frame::new(camera, light, view, bounds, strip.image, &s.samples);
             (frame.image_size, frame.first_row) = (s.size, strip.first_row);
@@ -430,7 +435,7 @@ impl FacetMasks {
         self.memory.geometry.in_camera(casters)
     }
 
-    /// The uniform `frame` of each view, band and round.
+    /// The uniform `frame` of each view and band, and of more where a frame before had more.
     pub fn frames(&self) -> &[Buffer<Frame>] {
         &self.memory.frames
     }

@@ -203,6 +203,15 @@ impl StripMethod {
         }
     }
 
+    /// Whether that takes no other memory.
+    pub fn has_room_for(&self, views: u32) -> bool {
+        match self {
+            Self::FacetMasks(method) => method.has_room_for(Capacities { views, ..method.capacities() }),
+            #[cfg(feature = "baselines")]
+            Self::Fixed(method) => method.views() as u32 == views,
+        }
+    }
+
     /// Views of the light in the last frame.
     pub fn views(&self) -> u32 {
         match self {

@@ -16,8 +16,8 @@
 //! - **Receivers.** What is no caster may lie anywhere, also outside the casters' box and behind the light. The light view is then
 //!   fitted to all casters, as each may shadow something.
 //! - **Parts.** Casters that stand, move and are instances may be one pass's ([`Casters::Parts`]), and come and go while it runs ([`ShadowPass::add_part`]).
-//! - **Lights.** A light among the casters has a cube of up to six views, which are recorded one after the other; of casters that
-//!   move it has six. All frames share the lists, whatever their number of views. A map whose texels are more than one
+//! - **Lights.** A light among the casters has a cube of up to six views, those in which the camera sees casters' shadows, which are
+//!   recorded one after the other. All frames share the lists, whatever their number of views. A map whose texels are more than one
 //!   binding holds is cut into parts, which are views of their own.
 //! - **Large images.** Where a binding does not hold the facets of all pixels, the image is rendered in strips of rows, one after the
 //!   other, with the same bits ([`PassConfig::strips`] asks for more of them, which takes less memory). Results are those of the whole
@@ -380,7 +380,7 @@ impl ShadowPass {
     /// several may be recorded into one encoder, and each has its own camera, light and target.
     ///
     /// Apart from the growth of lists that overflowed, one small staging buffer is made for the frame, and bind groups of textures; counters
-    /// are made anew where the light has another number of views than in the frame before.
+    /// are made anew where the light has more views than in any frame before.
     ///
     /// # Errors
     /// [`Error::Scene`] for a camera or light that cannot be used; [`Error::Config`] for textures

@@ -260,7 +260,7 @@ impl ShadowPass {
     /// Makes room for a frame with another number of views than the one before.
     fn make_room_for(&mut self, views: u32) -> Result<()> {
         let (maker, method) = (&self.maker, &mut self.image.method);
-        if method.views() != views {
+        if !method.has_room_for(views) {
             self.bind_groups.forget();
         }
         maker.pipelines.within(|| method.make_room_for(&maker.device, &maker.queue, views))

@@ -79,3 +79,30 @@ fn casters_that_stand_are_cut_where_little_of_them_is_seen() {
     }
     assert_eq!(other, [0, 1], "all of it is seen from afar, little from near");
 }
+
+/// A camera that turns sees another number of a cube's sides: once there was room for the most, no buffer is made.
+#[gpu_test]
+fn a_turning_camera_makes_no_memory() {
+    let scene = scene("cage");
+    let mut pass = pass(settings(FacetMode::All), casters(&scene.mesh));
+    let light = Light::Point { position: [0.5, 2.0, 0.8] };
+    let mut counts = Vec::new();
+    let mut laps = [Vec::new(), Vec::new()];
+    for lap in &mut laps {
+        for step in 0..8u8 {
+            let (sin, cos) = (f32::from(step) * 0.8).sin_cos();
+            let [x, y, z] = [0.9, 2.1, 0.4];
+            let camera = Camera { eye: [x, y, z], target: [x + cos, y - 0.3, z + sin], ..scene.camera };
+            let (picture, _) = complete_within(6, &mut pass, &Inputs::new(&camera, &light));
+            counts.push(pass.capacities().views);
+            lap.push((picture, pass.memory()));
+        }
+    }
+    let [first, second] = laps;
+    for (k, (before, now)) in first.iter().zip(&second).enumerate() {
+        assert!(before.0 == now.0, "step {k}: another picture");
+        assert_eq!(now.1, second[0].1, "step {k}: other buffers");
+    }
+    let (least, most) = (counts.iter().min(), counts.iter().max());
+    assert!(least < most, "{counts:?} views");
+}
