@@ -228,7 +228,7 @@ mod tests {
         view.project(p).is_some_and(|at| at.truncate().min_element() >= 0.0 && at.truncate().max_element() <= side)
     }
 
-    /// What a camera sees in a shadow that some view holds lies in its part, too; the share of the area that is left.
+    /// Counts points that a camera sees in a shadow, and those that no cut view holds of what some view held; by how much texels are finer.
     fn check(within: bool, spoil: impl Fn(&mut Vec<LightView>)) -> (usize, usize, f64) {
         let (mut missing, mut seen, mut areas) = (0, 0, (0.0, 0.0));
         let mut state = 5;

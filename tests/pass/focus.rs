@@ -4,7 +4,7 @@ use super::kept_maps::{certain, elsewhere};
 use super::*;
 use glam::{DVec3, Vec3};
 
-/// What a pass looked at in its frame: views, pairs of facets and texels, and of casters and texels.
+/// Work of a pass in its frame: views, pairs of facets and texels, and of casters and texels.
 fn work(pass: &ShadowPass, status: &FrameStatus) -> [u64; 3] {
     let of = |list: &str| status.lists.iter().find(|l| l.name == list).map_or(0, |l| l.needed);
     [u64::from(pass.capacities().views), of("pixel_texel_pairs"), of("triangle_texel_pairs")]

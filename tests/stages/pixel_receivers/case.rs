@@ -1,8 +1,8 @@
-//! What an application hands over, in patches of all kinds.
+//! Textures that an application hands over, in patches of all kinds.
 
 use super::*;
 
-/// What an application hands over.
+/// Textures that an application hands over, and the casters that it sees.
 #[derive(Clone)]
 pub struct Case {
     pub depths: Option<(Vec<f32>, [f32; 4], f32)>,
