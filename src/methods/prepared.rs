@@ -48,8 +48,8 @@ pub(crate) struct KnownFacts {
     pub objects: OnceLock<Vec<(DVec3, DVec3)>>,
     /// Its triangles that cast in no light.
     pub silent: OnceLock<BTreeSet<u32>>,
-    /// The others, and their tree; `None` where all cast.
-    pub casting: OnceLock<Option<Arc<(Mesh, MeshTree)>>>,
+    /// The tree of the others; `None` where all cast.
+    pub casting: OnceLock<Option<Arc<MeshTree>>>,
     /// A triangle that may show eye and light the same side.
     pub facing_both: Counterexample,
     /// One that may not.
@@ -173,19 +173,13 @@ impl Prepared {
         MeshAndTree { mesh: &self.mesh, tree: self.tree() }
     }
 
-    /// Those of the triangles that cast in some light ([`Roles::casts`](crate::scene::Roles::casts)), in a mesh of their own where others do not.
+    /// Those of the triangles that cast in some light ([`Roles::casts`](crate::scene::Roles::casts)): in a tree of their own where others do not.
     pub(crate) fn casting(&self) -> MeshAndTree<'_> {
         let own = self.known.casting.get_or_init(|| {
             let silent = self.silent();
-            (!silent.is_empty()).then(|| {
-                let all = (0..).zip(&self.mesh.triangles);
-                let triangles = all.filter(|(t, _)| !silent.contains(t)).map(|(_, corners)| *corners).collect();
-                let mesh = Mesh { triangles, ..self.mesh.as_ref().clone() };
-                let tree = MeshTree::new(&mesh);
-                Arc::new((mesh, tree))
-            })
+            (!silent.is_empty()).then(|| Arc::new(MeshTree::of(&self.mesh, |t| !silent.contains(&t))))
         });
-        own.as_ref().map_or_else(|| self.casters(), |own| MeshAndTree { mesh: &own.0, tree: &own.1 })
+        own.as_ref().map_or_else(|| self.casters(), |tree| MeshAndTree { mesh: &self.mesh, tree })
     }
 
     /// Those that do not.

@@ -142,12 +142,18 @@ impl MeshTree {
     /// # Panics
     /// If an index is out of range ([`Mesh::check`]).
     pub fn new(mesh: &Mesh) -> Self {
+        Self::of(mesh, |_| true)
+    }
+
+    /// Likewise of those triangles alone for which `is_in` holds.
+    pub fn of(mesh: &Mesh, is_in: impl Fn(u32) -> bool + Sync) -> Self {
         let longest = |t: u32| {
             let [a, b, c] = corners(mesh, t);
             (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared())
         };
-        let count = mesh.triangles.len();
-        let mut by_size: Vec<(f64, u32)> = (0..count as u32).into_par_iter().map(|t| (longest(t), t)).collect();
+        let all = 0..mesh.triangles.len() as u32;
+        let mut by_size: Vec<(f64, u32)> = all.into_par_iter().filter(|&t| is_in(t)).map(|t| (longest(t), t)).collect();
+        let count = by_size.len();
         let large = count.min(Self::LARGE);
         if large < count {
             by_size.select_nth_unstable_by(large, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
