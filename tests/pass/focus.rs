@@ -18,7 +18,7 @@ fn passes(scene: &Scene, facets: FacetMode) -> [ShadowPass; 2] {
 
 #[gpu_test]
 fn views_cut_to_what_is_seen_change_no_bit() {
-    let (mut frames, mut other, mut fewer) = (0, 0, 0);
+    let (mut frames, mut other, mut fewer, mut shadowed) = (0, 0, 0, 0);
     for (name, lamps) in [
         ("windmill", [[0.4, 2.2, 0.3], [9.0, 6.0, 1.0]]),
         ("cage", [[0.5, 2.0, 0.8], [2.0, 9.0, 1.0]]),
@@ -47,11 +47,14 @@ fn views_cut_to_what_is_seen_change_no_bit() {
                 assert!(views.0 <= views.1, "{what}: {views:?} views");
                 (frames, other) = (frames + 1, other + usize::from(cut.1 != whole.1));
                 fewer += usize::from(views.0 < views.1);
+                let pixels = &whole.0.0[..(SIZE[0] * SIZE[1]) as usize];
+                shadowed += usize::from(pixels.contains(&0) && pixels.contains(&1.0f32.to_bits()));
             }
         }
     }
     // The comparison says little where nothing is cut.
-    assert!(other * 2 > frames && fewer > 3, "of {frames} frames {other} are cut, {fewer} to fewer views");
+    let what = format!("of {frames} frames {other} are cut, {fewer} to fewer views, {shadowed} with light and shadow");
+    assert!(other * 2 > frames && fewer > 3 && shadowed * 3 > frames, "{what}");
 }
 
 #[gpu_test]
@@ -103,6 +106,7 @@ fn a_turning_camera_makes_no_memory() {
         assert!(before.0 == now.0, "step {k}: another picture");
         assert_eq!(now.1, second[0].1, "step {k}: other buffers");
     }
+    assert!(first.windows(2).any(|two| two[0].0 != two[1].0), "a camera that sees the same");
     let (least, most) = (counts.iter().min(), counts.iter().max());
     assert!(least < most, "{counts:?} views");
 }
