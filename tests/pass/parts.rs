@@ -6,6 +6,7 @@ use oracle::truth::{SceneTruth, Tracer, join_mask};
 use subpixel_shadows::gpu::program::made_here;
 use subpixel_shadows::pass::{CasterMesh, CasterPart, PartAt, PartPlace, Placed, Transforms};
 use subpixel_shadows::scene::AlphaTested;
+use subpixel_shadows::scene::Roles;
 
 /// As instances are placed.
 fn at(mesh: &Mesh, transforms: &[Transform]) -> Mesh {
@@ -431,4 +432,50 @@ fn parts_that_do_not_fit_are_refused() {
     let tight = [PartPlace { part: 3, at: PartAt::Moved(tight) }, placed];
     let (_, status) = frame(&mut pass, &Inputs { parts: &tight, ..plain });
     assert!(!status.complete && status.faults.outside == 4, "{status:?}");
+}
+
+/// A part that moves, or stands, and casts nothing lies outside the light's view, and receives all the same.
+#[gpu_test]
+fn parts_that_cast_nothing_receive() {
+    let Scene { mut mesh, camera, .. } = scene("spheres");
+    let light = Light::Directional { direction: [0.5, 1.0, 0.3] };
+    let settings = Settings { alpha_tested: true, ..settings(FacetMode::All) };
+    // Balls without their slab, over a wide terrain; what no triangle uses would widen their box.
+    mesh.triangles.drain(..12);
+    mesh = Mesh {
+        positions: mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect(),
+        triangles: (0..mesh.triangles.len() as u32).map(|t| [0, 1, 2].map(|v| 3 * t + v)).collect(),
+    };
+    let mut terrain = Mesh::default();
+    for k in 0..400u32 {
+        let [x, z] = [k % 20, k / 20].map(|c| 1.5 * (c as f32 - 10.0));
+        terrain.positions.extend([[x, -0.6, z], [x, -0.6, z + 1.5], [x + 1.5, -0.6, z]]);
+        terrain.triangles.push([0, 1, 2].map(|v| 3 * k + v));
+    }
+    let buffer = vertex_buffer(&terrain.positions);
+    let moved = Moved { vertices: Vertices { buffer: &buffer, offset: 16, stride: 32 }, bounds: bounds(&terrain) };
+    let both = joined(&[&mesh, &terrain]);
+    let (first, end) = (mesh.triangles.len() as u32, both.triangles.len() as u32);
+    let inputs = Inputs::new(&camera, &light);
+    let mut needs = Vec::new();
+    for roles in [Roles::RECEIVE_ONLY, Roles::ALL] {
+        let [mut own, mut of_both] = [AlphaTested::default(), AlphaTested::default()];
+        own.set_roles(0..end - first, roles);
+        of_both.set_roles(first..end, roles);
+        let known = Prepared::with_alpha(&both, &of_both).expect("a sound mesh");
+        let want = Renderer::new(gpu(), &known, &settings, Budget::default())
+            .and_then(|mut renderer| renderer.render(&camera, &light))
+            .expect("a frame");
+        let terrain = CasterMesh { alpha: Some(&own), ..of(&terrain) };
+        let places = [PartPlace { part: 1, at: PartAt::Moved(moved) }];
+        for (part, places) in [(CasterPart::standing(terrain), &[][..]), (CasterPart::moving(terrain), &places[..])] {
+            let mut pass = made(&settings, &[CasterPart::standing(of(&mesh)), part], 0);
+            let (got, status) = complete_within(6, &mut pass, &Inputs { parts: places, ..inputs });
+            assert_eq!(apart(&got, &want), 0, "{roles:?}, {:?}", part.kind);
+            let shadowed = want.visibility.iter().filter(|v| **v < 1.0).count();
+            assert!(shadowed > 300, "{roles:?}: {shadowed} pixels in shadow");
+            needs.push(status.lists.iter().find(|l| l.name == "pixel_texel_pairs").map_or(0, |l| l.needed));
+        }
+    }
+    assert!(needs[0] != needs[2] && needs[1] != needs[3], "the view is as wide: {needs:?} pairs");
 }
