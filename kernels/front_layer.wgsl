@@ -35,8 +35,9 @@ fn check(
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[slot]);
     let i = triangles[t];
     if is_culled(frame.flags, i.w, facing[t]) { return; }
     // A triangle with holes is no sheet behind which all is in shadow.

@@ -115,7 +115,8 @@ struct Task {
 fn task_of(item: u32) -> Task {
     var task: Task;
     if item >= work_offsets[frame.triangle_count] { return task; }
-    let t = owner_of(item, frame.triangle_count);
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
     let given = triangles[t];
     if is_culled(frame.flags, given.w, facing[t]) || (MARKS != 0u && is_tested(given.w)) { return task; }
     // Vertices in order of index, so that an edge has one value in both of its triangles.
@@ -123,7 +124,7 @@ fn task_of(item: u32) -> Task {
     if i.x > i.y { i = i.yxz; }
     if i.y > i.z { i = i.xzy; }
     if i.x > i.y { i = i.yxz; }
-    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let block = block_of(light_rects[t], item - work_offsets[slot]);
     return Task(true, t, given, block, map_points[i.x], map_points[i.y], map_points[i.z]);
 }
 

@@ -162,7 +162,7 @@ fn raster(
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
+    let t = slot_of(item, frame.triangle_count);
     let box = unpack_rect(boxes[t]);
     let around = page_around(box);
     var levels = masks[around.y];

@@ -150,7 +150,7 @@ fn raster(
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
+    let t = slot_of(item, frame.triangle_count);
     let block = block_of(boxes[t], item - work_offsets[t]);
     let given = triangles[t];
     // By rising index: an edge has one value in both of its triangles.

@@ -178,8 +178,9 @@ fn claim(
 ) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(camera_rects[t], item - work_offsets[t]);
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
+    let block = block_of(camera_rects[t], item - work_offsets[slot]);
     let outline = outline_of(t);
     for (var y = block.low.y; y <= block.high.y; y++) {
         for (var x = block.low.x; x <= block.high.x; x++) {

@@ -41,7 +41,7 @@ fn item_of(invocation: u32) -> Item {
     let item = work_offsets[frame.first_facet] + invocation;
     let end = frame.first_facet + frame.facet_count;
     if item >= work_offsets[end] { return Item(NO_TRIANGLE, Rect()); }
-    let f = owner_of(item, frame.facets_total);
+    let f = slot_of(item, frame.facets_total);
     return Item(f, block_of(undecided[f].rect, item - work_offsets[f]));
 }
 

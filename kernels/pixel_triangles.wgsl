@@ -38,8 +38,9 @@ struct Item { triangle: u32, block: Rect }
 
 fn item_of(item: u32) -> Item {
     if item >= work_offsets[frame.triangle_count] { return Item(NO_TRIANGLE, Rect()); }
-    let t = owner_of(item, frame.triangle_count);
-    return Item(t, block_of(camera_rects[t], item - work_offsets[t]));
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
+    return Item(t, block_of(camera_rects[t], item - work_offsets[slot]));
 }
 
 // The depth behind a key; infinite for 0.

@@ -1,11 +1,12 @@
-// prefix_scan: exclusive scan of u32 values with saturating sums.
-// Reads `input` (values from min(count, limit) on count as 0). Writes `output` up to `limit`, the sum of all
-// to `total[total_word]` and 1 to the word after it if that sum exceeds u32::MAX (then it is u32::MAX), else
-// 0. Three passes: `reduce` sums each block exactly in 64 bits, `spine` turns block sums into prefixes in one
-// workgroup, `downsweep` scans each block from its prefix. Saturating addition is associative, so the result
-// is one value however the work is split. A list above the binding limit is bound in segments of whole
-// blocks: `first` is where the bound range begins, `sums` always spans all blocks. Bounds: an invocation of
-// reduce or downsweep loops 32 times, one of the spine 2 * blocks / 64 times.
+// prefix_scan: exclusive scan of u32 values with saturating sums. Reads `input` (values from min(count,
+// limit) on count as 0). Writes `output` up to `limit`, the sum of all to `total[total_word]` and 1 to the
+// word after it if that sum exceeds u32::MAX (then it is u32::MAX), else 0; with `only_counted` whole
+// blocks beyond the count are not written. Three passes: `reduce` sums each block exactly in 64 bits,
+// `spine` turns block sums into prefixes in one workgroup, `downsweep` scans each block from its prefix.
+// Saturating addition is associative, so the result is one value however the work is split. A list above
+// the binding limit is bound in segments of whole blocks: `first` is where the bound range begins, `sums`
+// always spans all blocks. Bounds: an invocation of reduce or downsweep loops 32 times, one of the
+// spine 2 * blocks / 64 times.
 
 //@import dispatch workgroup_scan
 
@@ -17,7 +18,7 @@ struct PrefixScanParams {
     first_block: u32,   // block of `first`
     blocks: u32,        // blocks of all segments
     total_word: u32,    // where the sum goes
-    pad: u32,
+    only_counted: u32,  // 1: nothing need be written beyond the count
 }
 
 const WORKGROUP = 64u;
@@ -72,7 +73,8 @@ fn reduce(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
             high += select(vec4(0u), vec4(1u), low < value);
         }
     } else {
-        for (var i = 0u; i < QUADS; i++) {
+        let quads = select(QUADS, 0u, block * BLOCK >= end);
+        for (var i = 0u; i < quads; i++) {
             let value = load(block * BLOCK + (i * WORKGROUP + local) * 4u, end);
             low += value;
             high += select(vec4(0u), vec4(1u), low < value);
@@ -110,8 +112,8 @@ fn spine(@builtin(local_invocation_index) local: u32) {
 fn downsweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
              @builtin(local_invocation_index) local: u32) {
     let block = flat_group(group, groups);
-    if block * BLOCK >= params.length { return; }
     let end = live();
+    if block * BLOCK >= select(params.length, end, params.only_counted == 1u) { return; }
     let begin = block * BLOCK + local * QUADS * 4u;
     let bounds = sums[params.first_block + block];
     // A block that saturates inside, or is not full, is rare: only it pays for checks.

@@ -110,8 +110,9 @@ fn ask() {
 }
 
 fn raster(item: u32, lane: u32, exact: bool, crowds: bool) {
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[slot]);
     let c = caster_of(t);
     let p = in_light_view(c.at);
     let q = in_light_view(point_of(c.vertices.y));

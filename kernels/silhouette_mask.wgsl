@@ -1,12 +1,12 @@
 // silhouette_mask: finds the silhouette edges and marks the texels they touch (Pan 2009, section 3.2).
 // `classify` decides for every edge whether it is a silhouette: its two triangles do not face the light
 // alike, or one of them is missing, unsure, or not known to be its only neighbour; an element with one
-// vertex twice holds no edge. Writes `edge_rects`, `edge_items` (8 x 8 blocks to mark, of those that are
-// `requested`; 0 where the edge is none). `raster` marks in `mask` every texel an edge touches
-// (conservatively), unless the edge lies there behind the texel's split depth: then it is hidden by what is
-// in front, or front_layer marks the texel anyway.
+// vertex twice holds no edge. Takes the edges of `kept_clusters`; writes `edge_rects`, `edge_items` (8 x 8
+// blocks to mark, of those that are `requested`; 0 where the edge is none), the latter by slot. `raster`
+// marks in `mask` every texel an edge touches (conservatively), unless the edge lies there behind the
+// texel's split depth: then it is hidden by what is in front, or front_layer marks the texel anyway.
 
-//@import frame dispatch status edge rect work_items front_split facing span mask_rows requested_part
+//@import frame dispatch status edge rect work_items front_split facing span mask_rows requested_part clusters
 
 const WORKGROUP = 64u;
 
@@ -22,6 +22,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(9) var<storage, read_write> mask: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read_write> status: Status;
 @group(0) @binding(11) var<storage, read> requested: array<u32>;
+@group(0) @binding(12) var<storage, read> kept_clusters: array<u32>;
 
 fn is_silhouette(e: Edge) -> bool {
     if e.v0 == e.v1 { return false; }
@@ -38,7 +39,8 @@ fn classify(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let k = flat_invocation(group, groups, WORKGROUP, local);
+    let member = member_of(PART_EDGES, flat_group(group, groups), local);
+    let k = member.number;
     if k >= frame.edge_count { return; }
     let e = edges[k];
     var rect = EMPTY_RECT;
@@ -53,11 +55,13 @@ fn classify(
                 + 4e-6 * max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
             rect = requested_part(cells_touched(low - slack, high + slack, vec2(frame.map_size)));
         }
-        // The same in every view.
-        if (frame.flags & FLAG_FURTHER_VIEW) == 0u { atomicAdd(&status.head.silhouette_edges, 1u); }
+        // The same in every view; where clusters are left out, those that touch something in each view.
+        let culled = kept_clusters[0] != ALL_CLUSTERS;
+        let first_view = (frame.flags & FLAG_FURTHER_VIEW) == 0u;
+        if select(first_view, !is_empty(rect), culled) { atomicAdd(&status.head.silhouette_edges, 1u); }
     }
     edge_rects[k] = rect;
-    edge_items[k] = block_count(rect);
+    edge_items[member.slot] = block_count(rect);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -68,8 +72,9 @@ fn raster(
 ) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.edge_count] { return; }
-    let k = owner_of(item, frame.edge_count);
-    let block = block_of(edge_rects[k], item - work_offsets[k]);
+    let slot = slot_of(item, frame.edge_count);
+    let k = owner_in(slot, frame.edge_count);
+    let block = block_of(edge_rects[k], item - work_offsets[slot]);
     let a = map_points[edges[k].v0];
     let b = map_points[edges[k].v1];
     let d = b.xy - a.xy;

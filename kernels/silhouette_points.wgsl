@@ -82,9 +82,10 @@ fn raster(
 ) {
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.edge_count] { return; }
-    let k = owner_of(item, frame.edge_count);
+    let slot = slot_of(item, frame.edge_count);
+    let k = owner_in(slot, frame.edge_count);
     let packed = edge_rects[k];
-    let block = block_of(packed, item - work_offsets[k]);
+    let block = block_of(packed, item - work_offsets[slot]);
     let a = map_points[edges[k].v0].xyz;
     let b = map_points[edges[k].v1].xyz;
     // Cells begin half a texel before their texels: the last texels of the rectangle have one more.

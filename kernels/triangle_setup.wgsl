@@ -8,9 +8,10 @@
 // reads `map_points` besides and writes `facing` (FRONT, BACK, UNSURE or DROPPED), `light_rects` and
 // `light_items` likewise, of texels: those that are `requested`, where that says so. A triangle that is not
 // surely in front of the light takes the whole map, one surely behind it nothing. One that goes on beyond
-// one of the ends of the map (FLAG_ENDS) takes the whole map, too.
+// one of the ends of the map (FLAG_ENDS) takes the whole map, too. Both take the triangles of `kept_clusters`
+// and write items by slot; of others nothing is written.
 
-//@import frame dispatch rect facing view_sides map_ends requested_part roles
+//@import frame dispatch rect facing view_sides map_ends requested_part roles clusters
 
 const WORKGROUP = 64u;
 
@@ -24,6 +25,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(7) var<storage, read_write> camera_items: array<u32>;
 @group(0) @binding(8) var<storage, read_write> light_items: array<u32>;
 @group(0) @binding(9) var<storage, read> requested: array<u32>;
+@group(0) @binding(10) var<storage, read> kept_clusters: array<u32>;
 
 //@import frame_copy
 
@@ -123,7 +125,8 @@ fn setup_camera(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    let t = flat_invocation(group, groups, WORKGROUP, local);
+    let member = member_of(PART_TRIANGLES, flat_group(group, groups), local);
+    let t = member.number;
     if t >= frame.triangle_count { return; }
     let i = triangles[t];
     let corners = corners_of(i.xyz);
@@ -136,7 +139,7 @@ fn setup_camera(
     let may_hide = (frame.flags & FLAG_BACKS_HIDDEN) != 0u && i.w == 1u;
     if may_hide && facing_of(a.xyz, b.xyz, c.xyz, eye) == BACK { rect = EMPTY_RECT; }
     camera_rects[t] = rect;
-    camera_items[t] = block_count(rect);
+    camera_items[member.slot] = block_count(rect);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -146,7 +149,8 @@ fn setup_light(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    let t = flat_invocation(group, groups, WORKGROUP, local);
+    let member = member_of(PART_TRIANGLES, flat_group(group, groups), local);
+    let t = member.number;
     if t >= frame.triangle_count { return; }
     let i = triangles[t];
     let corners = corners_of(i.xyz);
@@ -164,5 +168,5 @@ fn setup_light(
     }
     facing[t] = side;
     light_rects[t] = rect;
-    light_items[t] = block_count(rect);
+    light_items[member.slot] = block_count(rect);
 }

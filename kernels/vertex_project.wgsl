@@ -3,9 +3,9 @@
 // subtraction of the eye is their only rounding: half an ulp of the difference. `project` reads `points` and
 // writes `map_points` (texel x, y, depth, w; for a vertex that is not surely in front of the light the first
 // three times w, and how much w is less than it would have to be, which is not above 0; 0 for one that
-// projects to no number).
+// projects to no number), of the vertices of `kept_clusters`.
 
-//@import frame dispatch finite from_lamp
+//@import frame dispatch finite from_lamp clusters
 
 const WORKGROUP = 64u;
 
@@ -13,6 +13,7 @@ const WORKGROUP = 64u;
 @group(0) @binding(1) var<storage, read> positions: array<vec3<f32>>;
 @group(0) @binding(2) var<storage, read_write> points: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> map_points: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> kept_clusters: array<u32>;
 
 //@import frame_copy
 
@@ -37,7 +38,7 @@ fn project(
     @builtin(local_invocation_index) local: u32,
 ) {
     take_frame(local);
-    let v = flat_invocation(group, groups, WORKGROUP, local);
+    let v = member_of(PART_VERTICES, flat_group(group, groups), local).number;
     if v >= frame.vertex_count { return; }
     let p = points[v];
     if p.w == 0.0 {

@@ -126,7 +126,7 @@ fn raster(
     take_frame(local);
     let item = flat_invocation(group, groups, WORKGROUP, local);
     if item >= work_offsets[frame.triangle_count] { return; }
-    let t = owner_of(item, frame.triangle_count);
+    let t = slot_of(item, frame.triangle_count);
     let block = block_of(boxes[t], item - work_offsets[t]);
     var columns = array<f32, BLOCK>();
     for (var x = block.low.x; x <= block.high.x; x++) { columns[x & 7u] = centre_of(0u, x); }

@@ -14,6 +14,7 @@ use crate::methods::facet_masks::{FacetMode, Settings};
 use crate::methods::prepared::Prepared;
 use crate::pixel_filter::PixelFilter;
 use crate::scene::{Camera, Light};
+use crate::stages::cluster_culling::CLUSTER;
 pub(crate) use proofs::asks_for_most;
 use proofs::{all_is_lit, back_faces_add_nothing, no_shadow, nothing_seen};
 
@@ -40,7 +41,8 @@ pub struct Plan {
 }
 
 /// The stages in order, what each is for, and the least extent that needs it.
-const STAGES: [(&str, &str, Extent); 18] = [
+const STAGES: [(&str, &str, Extent); 19] = [
+    (CULLING, "clusters of triangles outside the views of camera and light: left out unseen", Extent::Facing),
     ("triangle_setup", "projects vertices; where each triangle lies in both views", Extent::Facing),
     ("camera_visibility", "nearest triangle at every pixel centre", Extent::Facing),
     ("pixel_triangles", "triangles that the samples of each pixel may see", Extent::Facing),
@@ -63,6 +65,9 @@ const STAGES: [(&str, &str, Extent); 18] = [
 
 /// The stage that weighs samples.
 const FILTER: &str = "pixel_filter";
+
+/// The stage that leaves casters out by clusters.
+const CULLING: &str = "cluster_culling";
 
 /// The stage that finds which part of the light's view the camera asks for.
 const REQUESTS: &str = "requested_blocks";
@@ -112,6 +117,7 @@ impl Plan {
             Extent::Everything => true,
         };
         let all_blocks = all_blocks(prepared, camera, wanted, force_all);
+        let no_culling = no_culling(prepared, wanted, force_all);
         let mut steps: Vec<PlanStep> = STAGES
             .iter()
             .filter(|(name, ..)| {
@@ -120,6 +126,7 @@ impl Plan {
             .map(|&(name, purpose, least)| {
                 let left_out = every_surface(name).or_else(|| (!needs(least)).then(|| reason.clone()));
                 let left_out = left_out.or_else(|| all_blocks.clone().filter(|_| name == REQUESTS));
+                let left_out = left_out.or_else(|| no_culling.clone().filter(|_| name == CULLING));
                 let left_out = left_out.or_else(|| by_itself(wanted).filter(|_| name == FILTER));
                 PlanStep { name, purpose, left_out }
             })
@@ -127,6 +134,9 @@ impl Plan {
         let mut settings = Settings { alpha_tested: !prepared.alpha().is_empty(), ..wanted.clone() };
         settings.request_blocks = all_blocks.is_none();
         settings.focus &= !force_all;
+        if force_all {
+            settings.least_culled = usize::MAX;
+        }
         let mut part = |(name, purpose): (&'static str, &'static str), left_out: Option<String>| {
             let left_out = if needs(Extent::Everything) { left_out } else { Some(reason.clone()) };
             let runs = left_out.is_none();
@@ -200,6 +210,17 @@ fn no_validity(wanted: &Settings) -> Option<String> {
         Some("one sample: the pixel centre is always valid".to_owned())
     } else {
         (!wanted.validity).then(|| "switched off".to_owned())
+    }
+}
+
+/// Why every triangle is looked at.
+fn no_culling(prepared: &Prepared, wanted: &Settings, force_all: bool) -> Option<String> {
+    let triangles = prepared.mesh.triangles.len();
+    let few = triangles < wanted.least_culled.max(CLUSTER + 1);
+    if force_all {
+        Some("forced: every triangle is looked at".to_owned())
+    } else {
+        few.then(|| format!("{triangles} triangles are few"))
     }
 }
 
@@ -355,7 +376,10 @@ mod tests {
         assert_eq!(reason(&plan(body(), sun(1.0), &warped, false), PERSPECTIVE.0), None, "a warp divides");
         assert!(one.settings.cull_back && one.settings.settle && !one.settings.validity);
         let many = of(spot, 32, true);
-        assert_eq!(many.left_out().count(), 4, "{many:?}");
+        assert_eq!(many.left_out().count(), 5, "{many:?}");
+        assert!(reason(&many, CULLING).unwrap().contains("4 triangles are few"));
+        let few = Settings { least_culled: 1, ..settings(32, true) };
+        assert!(reason(&plan(body(), spot, &few, false), CULLING).is_some(), "one cluster");
         assert!(reason(&many, FILTER).unwrap().contains("box"));
         let wide = Settings { filter: PixelFilter::Tent, ..settings(32, true) };
         assert_eq!(reason(&plan(body(), spot, &wide, false), FILTER), None);
@@ -427,10 +451,13 @@ mod tests {
         for mesh in [Mesh::default(), triangles(&[A, B, C]), body()] {
             let forced = plan(mesh, sun(1.0), &settings(32, true), true);
             assert_eq!(forced.extent, Extent::Everything);
-            // The search for blocks that may be left out, and a filter that is not asked for.
-            let needed = STAGES.iter().map(|(name, ..)| *name).filter(|name| ![REQUESTS, FILTER].contains(name));
+            // The searches for blocks and clusters that may be left out, and a filter that is not asked for.
+            let other = [CULLING, REQUESTS, FILTER];
+            let needed = STAGES.iter().map(|(name, ..)| *name).filter(|name| !other.contains(name));
             assert!(needed.into_iter().all(|name| reason(&forced, name).is_none()), "{forced:?}");
             assert!(reason(&forced, REQUESTS).unwrap().contains("forced") && !forced.settings.request_blocks);
+            assert!(reason(&forced, CULLING).unwrap().contains("forced"));
+            assert_eq!(forced.settings.least_culled, usize::MAX);
             assert!(forced.settings.validity && !forced.settings.cull_back && !forced.settings.settle);
         }
     }

@@ -351,7 +351,10 @@ fn read(gpu: &Gpu, settings: &Settings, method: &StripMethod, strip: Strip) -> R
     let FrameStatus { counts, mut lists, stages, dispatches, .. } = status;
     lists.iter_mut().for_each(|list| list.runs = runs);
     #[cfg(feature = "baselines")]
-    let counts = method.fixed().map_or(Ok(None), |fixed| fixed.method().counts(gpu))?.unwrap_or(counts);
+    let counts = match method.fixed().map_or(Ok(None), |fixed| fixed.method().counts(gpu))? {
+        Some(own) => Counts { kept_triangles: counts.kept_triangles, ..own },
+        None => counts,
+    };
     Ok(Output {
         visibility: method.visibility().read(gpu)?,
         lit: method.lit().map_or(Ok(Vec::new()), |lit| lit.read(gpu))?,

@@ -65,6 +65,8 @@ shared_struct! {
         pub nearest_key: u32,
         /// Bits of the greatest; 0 where none was found.
         pub farthest_depth: u32,
+        /// Triangles of the [clusters](crate::stages::cluster_culling) that were kept, in all views; 0 where none are left out.
+        pub kept_triangles: u32,
     }
 }
 

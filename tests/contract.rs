@@ -14,9 +14,10 @@ use subpixel_shadows::stages::camera_visibility::{Centres, Pass};
 use subpixel_shadows::stages::pixel_texel_pairs::TALLY_WORDS;
 use subpixel_shadows::stages::shadow_rays::TreePlace;
 use subpixel_shadows::stages::{
-    caster_positions, compact, dispatch_args, facet_classify, gbuffer_triangles, history, instance_positions,
-    light_lists, map_moments, pixel_counts, pixel_coverage, pixel_receivers, pixel_triangles, pixel_views, prefix_scan,
-    radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group, triangle_ids, visibility_texture, work_owners,
+    caster_positions, cluster_bounds, cluster_culling, compact, dispatch_args, facet_classify, gbuffer_triangles,
+    history, instance_positions, light_lists, map_moments, pixel_counts, pixel_coverage, pixel_receivers,
+    pixel_triangles, pixel_views, prefix_scan, radix_sort, sample_surfaces, sorted_pairs, summed_area, texel_group,
+    triangle_ids, visibility_texture, work_owners,
 };
 use subpixel_shadows::status::{Need, StatusBand, StatusHead};
 
@@ -92,6 +93,9 @@ fn registry() -> Vec<Registered> {
         of::<Homography>(),
         of::<caster_positions::CasterPositionsParams>(),
         of::<instance_positions::InstancePositionsParams>(),
+        of::<cluster_bounds::ClusterBoundsParams>(),
+        of::<cluster_culling::ClusterBox>(),
+        of::<cluster_culling::ClusterParams>(),
         of::<compact::CompactParams>(),
         of::<dispatch_args::ArgsRequest>(),
         of::<facet_classify::Facet>(),

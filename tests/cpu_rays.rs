@@ -127,7 +127,7 @@ fn any_place_and_any_size_will_do() {
     }
     for (what, scene) in all {
         let (seen, off) = check(what, &scene, 32);
-        assert!(off * 1_000_000 <= 4 * PER_MILLION * seen, "{what}: {off} of {seen}");
+        assert!(off * 1_000_000 <= 5 * PER_MILLION * seen, "{what}: {off} of {seen}");
     }
 }
 

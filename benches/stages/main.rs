@@ -15,6 +15,8 @@ mod axis_density;
 mod camera_visibility;
 mod candidate_pairs;
 mod caster_positions;
+mod cluster_bounds;
+mod cluster_culling;
 mod compact;
 mod compared_depths;
 mod deep_map;
@@ -94,7 +96,7 @@ fn run(options: &Options) -> Result<()> {
     println!("{}", Row::HEAD);
     let mut rows = Vec::new();
     let baseline = options.baseline()?;
-    let without_textures: [Maker; 56] = [
+    let without_textures: [Maker; 58] = [
         prefix_scan::cases,
         summed_area::cases,
         compact::cases,
@@ -106,6 +108,8 @@ fn run(options: &Options) -> Result<()> {
         work_owners::cases,
         caster_positions::cases,
         vertex_project::cases,
+        cluster_bounds::cases,
+        cluster_culling::cases,
         triangle_setup::cases,
         camera_visibility::cases,
         light_layers::cases,

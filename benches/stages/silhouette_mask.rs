@@ -20,7 +20,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
             let (frame, edges, map) = (&setup.frame, &setup.casters.edges, &setup.map_points);
             let (rects, items, facing) = (&setup.edge_rects, &setup.edge_items, &setup.facts.facing);
             let requested = &setup.requested;
-            stage.record_classify(s, frame, edges, facing, map, requested, rects, items, &setup.status, count);
+            stage.record_classify(s, frame, edges, facing, map, requested, rects, items, &setup.status, count)?;
             let work = &setup.edge_work;
             stage.record_raster(s, frame, edges, map, rects, work.offsets(), work.args(), &setup.layers);
             Ok(())

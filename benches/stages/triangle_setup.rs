@@ -19,8 +19,8 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         record: Box::new(move |s| {
             let (triangles, map) = (&setup.casters.triangles, &setup.map_points);
             let (points, requested) = (&setup.points, &setup.requested);
-            stage.record_camera(s, &setup.frame, triangles, points, &setup.facts, count);
-            stage.record_light(s, &setup.frame, triangles, points, map, requested, &setup.facts, count);
+            stage.record_camera(s, &setup.frame, triangles, points, &setup.facts, count)?;
+            stage.record_light(s, &setup.frame, triangles, points, map, requested, &setup.facts, count)?;
             Ok(())
         }),
     }])

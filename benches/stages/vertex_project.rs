@@ -18,7 +18,7 @@ pub fn cases(gpu: &Gpu, size: usize) -> Result<Vec<Case<'_>>> {
         flops: count * 42,
         record: Box::new(move |s| {
             stage.record_place(s, &setup.frame, &setup.casters.positions, &setup.points);
-            stage.record_project(s, &setup.frame, &setup.points, &setup.map_points, count);
+            stage.record_project(s, &setup.frame, &setup.points, &setup.map_points, count)?;
             Ok(())
         }),
     }])

@@ -31,8 +31,9 @@ struct Seen {
 }
 
 fn seen_in(item: u32) -> Seen {
-    let t = owner_of(item, frame.triangle_count);
-    return seen_of(t, block_of(camera_rects[t], item - work_offsets[t]));
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
+    return seen_of(t, block_of(camera_rects[t], item - work_offsets[slot]));
 }
 
 fn seen_of(t: u32, block: Rect) -> Seen {

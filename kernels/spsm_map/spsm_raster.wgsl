@@ -56,8 +56,9 @@ struct Task {
 }
 
 fn task_of(item: u32) -> Task {
-    let t = owner_of(item, frame.triangle_count);
-    let block = block_of(light_rects[t], item - work_offsets[t]);
+    let slot = slot_of(item, frame.triangle_count);
+    let t = owner_in(slot, frame.triangle_count);
+    let block = block_of(light_rects[t], item - work_offsets[slot]);
     let shape = cover_of(t);
     let corner = block.low & vec2(~7u);
     let word = run_bits() + seen_place(corner).x;

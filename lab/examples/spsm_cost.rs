@@ -18,7 +18,7 @@ use subpixel_shadows::{Error, Result};
 
 const SIZE: [u32; 2] = [1280, 720];
 /// Stages that both methods begin with.
-const SHARED: [&str; 2] = ["triangle_setup", "camera_visibility"];
+const SHARED: [&str; 3] = ["cluster_culling", "triangle_setup", "camera_visibility"];
 /// Name, method, whether only the texels of the map that pixels ask for are made.
 const ROWS: [(&str, MethodName, bool); 3] = [
     ("`shadow-map`", MethodName::ShadowMap, false),

@@ -34,8 +34,8 @@ const CAMERA: Camera = Camera {
 const LIGHT: Light = Light::Directional { direction: [0.3, 0.5, 1.0] };
 const TURNS: usize = 5;
 /// Stages that find what the camera sees.
-const CAMERA_STAGES: [&str; 5] =
-    ["triangle_setup", "camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"];
+const CAMERA_STAGES: [&str; 6] =
+    ["cluster_culling", "triangle_setup", "camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"];
 
 /// Numbers from 0 to 1 that look random, the same on every machine.
 struct Dice(u64);

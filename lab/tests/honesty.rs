@@ -447,7 +447,7 @@ mod gpu {
         let sun = Light::Directional { direction: [0.4, 1.0, 0.3] }; // of one at a point slices have no warp
         let scene = Scene::open("spheres", &SceneOptions::default()).expect("a scene");
         let prepared = scene.prepared().expect("a sound mesh");
-        let mut default = Settings::new([64, 48], 64, Samples::new(Pattern::default(), 32).expect("32 samples"));
+        let mut default = Settings::new([64, 48], 96, Samples::new(Pattern::default(), 32).expect("32 samples"));
         // Room for what pixels ask for: with less it is the budget that decides.
         default.pages.pages = Some(500);
         for method in MethodName::ALL {

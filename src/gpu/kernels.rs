@@ -65,7 +65,8 @@ pub mod camera_visibility {
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
-        HEAD = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64, SETTLED = 2147483648,
+        HEAD = 5, OWNERS = 64, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, WORKGROUP = 64,
+        SETTLED = 2147483648,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -192,6 +193,81 @@ pub mod caster_positions {
     } }
     entries! {
         Gather,
+    }
+}
+
+/// `kernels/cluster_bounds.wgsl`.
+pub mod cluster_bounds {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/dispatch", "shared/raster/cluster_box", "cluster_bounds",
+    }
+    constants! {
+        WORKGROUP = 64, SIDE = 8,
+    }
+    entry_point! { "cluster_bounds", "of_vertices", [64, 1, 1], SOURCE, () => OfVertices, OfVerticesProgram {
+        0 params: Uniform<'a, crate::stages::cluster_bounds::ClusterBoundsParams>,
+        1 positions: Read<'a, [f32; 4]>,
+        2 vertex_boxes: Write<'a, crate::stages::cluster_culling::ClusterBox>,
+    } }
+    entry_point! { "cluster_bounds", "of_users", [64, 1, 1], SOURCE, () => OfUsers, OfUsersProgram {
+        0 params: Uniform<'a, crate::stages::cluster_bounds::ClusterBoundsParams>,
+        2 vertex_boxes: Write<'a, crate::stages::cluster_culling::ClusterBox>,
+        3 uses: Read<'a, u32>,
+        4 boxes: Write<'a, crate::stages::cluster_culling::ClusterBox>,
+    } }
+    entries! {
+        OfVertices, OfUsers,
+    }
+}
+
+/// `kernels/cluster_culling.wgsl`.
+pub mod cluster_culling {
+    use crate::entry_point;
+    use crate::gpu::bindings::*;
+
+    source! {
+        "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/math/divide",
+        "shared/raster/rect", "shared/frame/from_lamp", "shared/raster/view_sides", "shared/raster/map_ends",
+        "shared/raster/requested_part", "shared/raster/clusters", "shared/raster/cluster_box",
+        "shared/frame/frame_copy", "cluster_culling",
+    }
+    constants! {
+        FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
+        FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
+        FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
+        FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, MOST_WORDS = 64, CLUSTER_SIZE = 64, PART_TRIANGLES = 0,
+        PART_EDGES = 1, PART_VERTICES = 2, PARTS = 3, KEPT_HEAD = 8, ALL_CLUSTERS = 4294967295, WORKGROUP = 64,
+        WORDS = 2,
+    }
+    entry_point! { "cluster_culling", "test_camera", [64, 1, 1], SOURCE, () => TestCamera, TestCameraProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::cluster_culling::ClusterParams>,
+        2 boxes: Read<'a, crate::stages::cluster_culling::ClusterBox>,
+        4 marks: Write<'a, u32>,
+        5 mark_counts: Write<'a, u32>,
+    } }
+    entry_point! { "cluster_culling", "test_light", [64, 1, 1], SOURCE, () => TestLight, TestLightProgram {
+        0 frame: Uniform<'a, crate::frame::Frame>,
+        1 params: Uniform<'a, crate::stages::cluster_culling::ClusterParams>,
+        2 boxes: Read<'a, crate::stages::cluster_culling::ClusterBox>,
+        3 requested: Read<'a, u32>,
+        4 marks: Write<'a, u32>,
+        5 mark_counts: Write<'a, u32>,
+    } }
+    entry_point! { "cluster_culling", "emit", [64, 1, 1], SOURCE, () => Emit, EmitProgram {
+        1 params: Uniform<'a, crate::stages::cluster_culling::ClusterParams>,
+        4 marks: Write<'a, u32>,
+        6 offsets: Read<'a, u32>,
+        7 kept_clusters: Write<'a, u32>,
+        8 status: Write<'a, u32>,
+    } }
+    subset! { TestLight => TestCamera { frame, params, boxes, marks, mark_counts } }
+    entries! {
+        TestCamera, TestLight, Emit,
     }
 }
 
@@ -450,8 +526,8 @@ pub mod front_layer {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, WORKGROUP = 64,
+        FAR = 2139095040, STRIDE = 8, HEAD = 5, OWNERS = 64, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "front_layer", "check", [64, 1, 1], SOURCE, () => Check, CheckProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -685,9 +761,9 @@ pub mod light_layers {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64,
-        NEAREST_TRIANGLE = 3,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536,
+        WORKGROUP = 64, NEAREST_TRIANGLE = 3,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -916,9 +992,9 @@ pub mod page_casters {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, PAGE = 32,
-        PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536,
+        PAGE = 32, PAGE_SHIFT = 5, PAGE_TEXELS = 1024, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1149,8 +1225,9 @@ pub mod paraboloid_casters {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536,
+        WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -1319,9 +1396,9 @@ pub mod pixel_receivers {
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8,
-        HEAD = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, GIVEN_POSITIONS = 1, GIVEN_NORMALS = 2,
-        GIVEN_IDS = 4, GIVEN_SAMPLES = 8, GIVEN_NORMAL_SAMPLES = 16, NOTHING = 0, SURFACE = 1, FAULT = 2,
-        WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, OPEN = 4294967295, CLAIMED = 1073741824,
+        HEAD = 5, OWNERS = 64, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, GIVEN_POSITIONS = 1,
+        GIVEN_NORMALS = 2, GIVEN_IDS = 4, GIVEN_SAMPLES = 8, GIVEN_NORMAL_SAMPLES = 16, NOTHING = 0, SURFACE = 1,
+        FAULT = 2, WORKGROUP = 64, FAULT_UNKNOWN = 2, FAULT_UNUSABLE = 3, OPEN = 4294967295, CLAIMED = 1073741824,
         MOST_STEPS = 4,
     }
     overrides! {
@@ -1385,7 +1462,7 @@ pub mod pixel_texel_pairs {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FACET_ALONE = 16777216,
         FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
         STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
         FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_SPLITS = 256, WORKGROUP = 64,
@@ -1469,8 +1546,8 @@ pub mod pixel_triangles {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, WORKGROUP = 64,
     }
     entry_point! { "pixel_triangles", "cover", [64, 1, 1], SOURCE, () => Cover, CoverProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -1825,7 +1902,7 @@ pub mod sample_bins {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FACET_ALONE = 16777216,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FACET_ALONE = 16777216,
         FACET_AWAY = 33554432, STATE_EMPTY = 0, STATE_DARK = 1, STATE_LIT = 2, STATE_SHADOWED = 3,
         STATE_UNDECIDED = 4, STATE_MERGED = 5, STATE_BITS = 7, WAS_SETTLED = 16, WAS_HELD = 32, WAS_MERGED = 8,
         FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3,
@@ -2339,15 +2416,16 @@ pub mod silhouette_mask {
         "shared/frame/frame", "shared/frame/dispatch", "shared/frame/status", "shared/raster/edge",
         "shared/math/divide", "shared/raster/rect", "shared/raster/work_items", "shared/raster/front_split",
         "shared/frame/facing", "shared/raster/span", "shared/raster/block_bits", "shared/raster/mask_rows",
-        "shared/raster/requested_part", "silhouette_mask",
+        "shared/raster/requested_part", "shared/raster/clusters", "silhouette_mask",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, MOST_WORDS = 64, WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, MOST_WORDS = 64, CLUSTER_SIZE = 64, PART_TRIANGLES = 0, PART_EDGES = 1,
+        PART_VERTICES = 2, PARTS = 3, KEPT_HEAD = 8, ALL_CLUSTERS = 4294967295, WORKGROUP = 64,
     }
     entry_point! { "silhouette_mask", "classify", [64, 1, 1], SOURCE, () => Classify, ClassifyProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2358,6 +2436,7 @@ pub mod silhouette_mask {
         5 edge_items: Write<'a, u32>,
         10 status: Write<'a, u32>,
         11 requested: Read<'a, u32>,
+        12 kept_clusters: Read<'a, u32>,
     } }
     entry_point! { "silhouette_mask", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2388,7 +2467,7 @@ pub mod silhouette_points {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, WORKGROUP = 64,
     }
     entry_point! { "silhouette_points", "raster", [64, 1, 1], SOURCE, () => Raster, RasterProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2490,9 +2569,9 @@ pub mod spsm_map {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295,
-        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
-        PASS_AGAIN = 1, PASS_LAST = 2,
+        FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64,
+        EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4,
+        SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -2582,9 +2661,9 @@ pub mod spsm_map_64 {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, EMPTY_WORD = 4294967295,
-        SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4, SEEN_BASE = 6, SEEN_BITS = 8,
-        PASS_AGAIN = 1, PASS_LAST = 2,
+        FAR = 2139095040, WORKGROUP = 64, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64,
+        EMPTY_WORD = 4294967295, SEEN_WON = 0, SEEN_CHOSEN = 1, SEEN_AGAIN = 2, SEEN_LOST = 3, SEEN_MISSED = 4,
+        SEEN_BASE = 6, SEEN_BITS = 8, PASS_AGAIN = 1, PASS_LAST = 2,
     }
     overrides! {
         encoding: u32 = 1, "ENCODING",
@@ -2945,7 +3024,8 @@ pub mod triangle_setup {
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/divide", "shared/raster/rect",
         "shared/frame/facing", "shared/frame/from_lamp", "shared/raster/view_sides", "shared/raster/map_ends",
-        "shared/raster/requested_part", "shared/roles", "shared/frame/frame_copy", "triangle_setup",
+        "shared/raster/requested_part", "shared/roles", "shared/raster/clusters", "shared/frame/frame_copy",
+        "triangle_setup",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
@@ -2953,7 +3033,8 @@ pub mod triangle_setup {
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
         FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, FRONT = 0, BACK = 1, UNSURE = 2, DROPPED = 3, MOST_WORDS = 64,
-        ROLE_UNSEEN = 65536, WORKGROUP = 64,
+        ROLE_UNSEEN = 65536, CLUSTER_SIZE = 64, PART_TRIANGLES = 0, PART_EDGES = 1, PART_VERTICES = 2, PARTS = 3,
+        KEPT_HEAD = 8, ALL_CLUSTERS = 4294967295, WORKGROUP = 64,
     }
     entry_point! { "triangle_setup", "setup_camera", [64, 1, 1], SOURCE, () => SetupCamera, SetupCameraProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2961,6 +3042,7 @@ pub mod triangle_setup {
         2 points: Read<'a, [f32; 4]>,
         5 camera_rects: Write<'a, [u32; 2]>,
         7 camera_items: Write<'a, u32>,
+        10 kept_clusters: Read<'a, u32>,
     } }
     entry_point! { "triangle_setup", "setup_light", [64, 1, 1], SOURCE, () => SetupLight, SetupLightProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -2971,6 +3053,7 @@ pub mod triangle_setup {
         6 light_rects: Write<'a, [u32; 2]>,
         8 light_items: Write<'a, u32>,
         9 requested: Read<'a, u32>,
+        10 kept_clusters: Read<'a, u32>,
     } }
     entries! {
         SetupCamera, SetupLight,
@@ -2994,7 +3077,7 @@ pub mod triangle_texel_pairs {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, STRIDE = 8, HEAD = 3, BLOCK = 8, BLOCK_SHIFT = 3, WORKGROUP = 64,
+        FAR = 2139095040, STRIDE = 8, HEAD = 5, OWNERS = 64, BLOCK = 8, BLOCK_SHIFT = 3, WORKGROUP = 64,
     }
     overrides! {
         tile_shift: u32 = 0, "TILE_SHIFT",
@@ -3073,14 +3156,15 @@ pub mod vertex_project {
 
     source! {
         "shared/frame/frame", "shared/frame/dispatch", "shared/math/finite", "shared/frame/from_lamp",
-        "shared/frame/frame_copy", "vertex_project",
+        "shared/raster/clusters", "shared/frame/frame_copy", "vertex_project",
     }
     constants! {
         FLAG_CULL_BACK = 1, FLAG_VALIDITY = 2, FLAG_PERSPECTIVE = 4, FLAG_ALL_UNDECIDED = 8, FLAG_CLAMP = 16,
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, WORKGROUP = 64,
+        FAR = 2139095040, CLUSTER_SIZE = 64, PART_TRIANGLES = 0, PART_EDGES = 1, PART_VERTICES = 2, PARTS = 3,
+        KEPT_HEAD = 8, ALL_CLUSTERS = 4294967295, WORKGROUP = 64,
     }
     entry_point! { "vertex_project", "place", [64, 1, 1], SOURCE, () => Place, PlaceProgram {
         0 frame: Uniform<'a, crate::frame::Frame>,
@@ -3091,6 +3175,7 @@ pub mod vertex_project {
         0 frame: Uniform<'a, crate::frame::Frame>,
         2 points: Write<'a, [f32; 4]>,
         3 map_points: Write<'a, [f32; 4]>,
+        4 kept_clusters: Read<'a, u32>,
     } }
     entries! {
         Place, Project,
@@ -3251,9 +3336,9 @@ pub mod warped_casters {
         FLAG_BEYOND = 32, FLAG_CLOSED = 64, FLAG_MORE_VIEWS = 128, FLAG_FURTHER_VIEW = 256, FLAG_CUT_LAYERS = 65536,
         FLAG_ENDS = 1024, FLAG_PARABOLOID = 262144, FLAG_MAPPED = 524288, FLAG_NOTHING_CASTS = 16384,
         FLAG_BACKS_HIDDEN = 131072, FLAG_NO_VIEW = 32768, FLAG_ONE_OF_SEVERAL = 512, NO_TRIANGLE = 4294967295,
-        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 3, FRONT = 0, BACK = 1, UNSURE = 2,
-        DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536, AXIS_CELLS = 1024,
-        WORKGROUP = 64,
+        FAR = 2139095040, BLOCK = 8, BLOCK_SHIFT = 3, STRIDE = 8, HEAD = 5, OWNERS = 64, FRONT = 0, BACK = 1,
+        UNSURE = 2, DROPPED = 3, ALPHA_BILINEAR = 1, ALPHA_WRAP_X = 1, ALPHA_WRAP_Y = 3, ROLE_UNSEEN = 65536,
+        AXIS_CELLS = 1024, WORKGROUP = 64,
     }
     overrides! {
         alpha: u32 = 0, "ALPHA",
@@ -3327,17 +3412,35 @@ pub mod work_owners {
     use crate::gpu::bindings::*;
 
     source! {
-        "shared/frame/dispatch", "shared/raster/work_items", "work_owners",
+        "shared/frame/dispatch", "shared/raster/work_items", "shared/raster/clusters", "work_owners",
     }
     constants! {
-        STRIDE = 8, HEAD = 3, WORKGROUP = 64,
+        STRIDE = 8, HEAD = 5, OWNERS = 64, CLUSTER_SIZE = 64, PART_TRIANGLES = 0, PART_EDGES = 1, PART_VERTICES = 2,
+        PARTS = 3, KEPT_HEAD = 8, ALL_CLUSTERS = 4294967295, WORKGROUP = 64,
     }
     entry_point! { "work_owners", "list", [64, 1, 1], SOURCE, () => List, ListProgram {
         0 params: Uniform<'a, crate::stages::work_owners::WorkOwnersParams>,
         1 work_offsets: Write<'a, u32>,
+        2 kept_clusters: Read<'a, u32>,
     } }
+    entry_point! { "work_owners", "list_clusters", [64, 1, 1], SOURCE, () => ListClusters, ListClustersProgram {
+        0 params: Uniform<'a, crate::stages::work_owners::WorkOwnersParams>,
+        1 work_offsets: Write<'a, u32>,
+        2 kept_clusters: Read<'a, u32>,
+    } }
+    group! { Lists {
+        work_offsets: Write<'a, u32>,
+        kept_clusters: Read<'a, u32>,
+        params: Uniform<'a, crate::stages::work_owners::WorkOwnersParams>,
+    } }
+    subset! { List => ListClusters { params, work_offsets, kept_clusters } }
+    subset! { List => Lists { work_offsets, kept_clusters, params } }
+    subset! { ListClusters => List { params, work_offsets, kept_clusters } }
+    subset! { ListClusters => Lists { work_offsets, kept_clusters, params } }
+    subset! { Lists => List { params, work_offsets, kept_clusters } }
+    subset! { Lists => ListClusters { params, work_offsets, kept_clusters } }
     entries! {
-        List,
+        List, ListClusters,
     }
 }
 
@@ -3347,6 +3450,8 @@ pub const ALL: &[(&str, super::Source, &[super::program::Entry])] = &[
     ("camera_visibility", camera_visibility::SOURCE, camera_visibility::ENTRIES),
     ("candidate_pairs", candidate_pairs::SOURCE, candidate_pairs::ENTRIES),
     ("caster_positions", caster_positions::SOURCE, caster_positions::ENTRIES),
+    ("cluster_bounds", cluster_bounds::SOURCE, cluster_bounds::ENTRIES),
+    ("cluster_culling", cluster_culling::SOURCE, cluster_culling::ENTRIES),
     ("compact", compact::SOURCE, compact::ENTRIES),
     ("compared_depths", compared_depths::SOURCE, compared_depths::ENTRIES),
     ("deep_map", deep_map::SOURCE, deep_map::ENTRIES),

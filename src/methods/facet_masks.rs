@@ -252,7 +252,7 @@ impl FacetMasks {
         let geometry = &m.geometry;
         let is_kept = matches!(seen, FacetSource::Kept);
         if !is_kept {
-            geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Camera)?;
+            geometry.record_setup(rec, &self.with.geometry, frame, (casters, &m.status), SetupOf::Camera)?;
         }
         let in_camera = geometry.in_camera(casters);
         match (self.every_surface.as_ref().zip(self.with.surfaces.as_ref()), seen) {
@@ -346,7 +346,7 @@ impl FacetMasks {
             let (with, requested) = (&self.with.requests, &geometry.requested);
             with.record(stage, frame, triangles, positions, &m.facets.list, requested, groups);
         }
-        geometry.record_setup(rec, &self.with.geometry, frame, casters, SetupOf::Light)?;
+        geometry.record_setup(rec, &self.with.geometry, frame, (casters, &m.status), SetupOf::Light)?;
         // Around a light they reach behind each of its views.
         let cut = self.capacities.views > 1;
         m.maps.record(rec, &self.with.light_maps, frame, (casters, geometry), &m.status, cut)

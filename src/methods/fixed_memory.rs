@@ -5,7 +5,7 @@ use super::by_views::{ByViews, Left};
 use super::debug_views::DebugViews;
 use super::deep_mapping::DeepMapping;
 use super::facet_masks::{Capacities, FacetSource};
-use super::geometry::{Geometry, GeometryPipelines, SetupOf};
+use super::geometry::{Geometry, GeometryPipelines, SetupOf, culled_views};
 use super::history::MethodHistory;
 use super::names::{MethodName, TexelQuery};
 use super::output::Counts;
@@ -223,11 +223,11 @@ impl FixedMemory {
         samples.write(queue, &sample_words(&settings.samples));
         let status = Buffer::storage(device, "status", Self::outcome_at(Self::MOST_VIEWS))?;
         let settings = Settings { partition: method.partition(settings), ..settings.clone() };
-        let asks_map = matches!(method.row().query, TexelQuery::Map(_));
-        let method: Box<dyn FixedMethod> = match method.row().query {
+        let query = method.row().query;
+        let (asks_map, culls) = (matches!(query, TexelQuery::Map(_)), culled_views(casters, &settings, query));
+        let method: Box<dyn FixedMethod> = match query {
             TexelQuery::Facets => {
-                let text = format!("{}: what its lists take is not known before a frame", method.name());
-                return Err(Error::Config(text));
+                return Err(Error::Config(format!("{}: its lists are not known before a frame", method.name())));
             }
             TexelQuery::Triangles => Box::new(Spsm::new(parts)?),
             TexelQuery::Centres => Box::new(Reconstructable::new(parts)?),
@@ -252,7 +252,7 @@ impl FixedMemory {
         Ok(Self {
             counted: counts.then(counted).transpose()?,
             with: GeometryPipelines::new(device, settings.alpha_tested, settings.tells_depths()),
-            geometry: Geometry::new(device, queue, (casters, 0), settings.pixels(), settings.map as usize)?,
+            geometry: Geometry::new(device, queue, (casters, 0), settings.pixels(), settings.map as usize, culls)?,
             settings,
             frame: Buffer::uniform(device, "frame", 1)?,
             samples,
@@ -412,7 +412,7 @@ impl FixedMemory {
                 (0, false) => Some(SetupOf::Camera),
                 (_, projects) => projects.then_some(SetupOf::Light),
             };
-            of.map_or(Ok(()), |of| geometry.record_setup(rec, with, frame, casters, of))?;
+            of.map_or(Ok(()), |of| geometry.record_setup(rec, with, frame, (casters, status), of))?;
             match source {
                 _ if view > 0 => {}
                 _ if method.finds_surfaces() => {}

@@ -2,11 +2,13 @@
 //! every pixel centre.
 
 use super::prepared::CasterBuffers;
+use super::{Settings, TexelQuery};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::{camera_visibility, light_layers};
 use crate::gpu::{Buffer, Recorder, Stage};
 use crate::stages::camera_visibility::{Blocks, CameraVisibility, Centres};
+use crate::stages::cluster_culling::{ClusterBox, ClusterCulling, ClusterList, ClusterPart, Elements};
 use crate::stages::dispatch_args::{ArgsRequest, DispatchArgs, Requests};
 use crate::stages::requested_blocks::RequestedBlocks;
 use crate::stages::seen_depths::SeenDepths;
@@ -23,17 +25,20 @@ pub struct GeometryPipelines {
     visibility: CameraVisibility,
     work: ListWork,
     depths: Option<SeenDepths>,
+    culling: ClusterCulling,
 }
 
 impl GeometryPipelines {
     /// Builds the pipelines; `alpha`: triangles may be alpha-tested, `depths`: frames tell between which depths pixels see triangles.
     pub fn new(device: &wgpu::Device, alpha: bool, depths: bool) -> Self {
+        let scan = PrefixScan::new(device);
         Self {
             depths: depths.then(|| SeenDepths::new(device)),
+            culling: ClusterCulling::new(device, &scan),
             project: VertexProject::new(device),
             setup: TriangleSetup::new(device),
             visibility: CameraVisibility::specialised(device, alpha),
-            work: ListWork::new(device, &PrefixScan::new(device)),
+            work: ListWork::new(device, &scan),
         }
     }
 
@@ -63,6 +68,15 @@ pub struct Geometry {
     scan_scratch: prefix_scan::PrefixScanScratch,
     requests: [Requests; 2],
     args: Buffer<u32>,
+    culling: Option<Culling>,
+}
+
+/// Boxes of clusters, and which of them camera and light keep.
+#[derive(Debug)]
+struct Culling {
+    boxes: Buffer<ClusterBox>,
+    camera: Option<ClusterList>,
+    light: Option<ClusterList>,
 }
 
 /// Views in which casters are set up.
@@ -76,13 +90,22 @@ pub enum SetupOf {
     Light,
 }
 
+/// Views out of which clusters are left where there are enough casters. A query that brings casters into maps of its own asks each one for its place in
+/// the light's view.
+pub fn culled_views(casters: &CasterBuffers, settings: &Settings, query: TexelQuery) -> Option<SetupOf> {
+    let asks_all = matches!(query, TexelQuery::Pages | TexelQuery::Axes);
+    let views = if asks_all { SetupOf::Camera } else { SetupOf::Both };
+    (casters.triangles.len() >= settings.least_culled).then_some(views)
+}
+
 /// First words of the indirect arguments.
 const CAMERA_ARGS: usize = 0;
 const LIGHT_ARGS: usize = 3;
 
 impl Geometry {
     /// Makes the memory for an image of `pixels` pixels and a map of `map` texels a side, with room behind the casters' points for those of so many
-    /// `receivers`, triangles of their own.
+    /// `receivers`, triangles of their own. Clusters of the casters are left out of the views that `culls` names, where there are clusters: what is
+    /// made of light-view triangles is then of those that [Geometry::of_light] tells.
     ///
     /// # Errors
     /// As [`Buffer::storage`].
@@ -92,13 +115,28 @@ impl Geometry {
         (casters, receivers): (&CasterBuffers, usize),
         pixels: usize,
         map: usize,
+        culls: Option<SetupOf>,
     ) -> Result<Self> {
         let (vertices, triangles) = (casters.positions.len(), casters.triangles.len());
         let request = |group: u32, at: usize| {
             DispatchArgs::requests(device, queue, &[ArgsRequest::new(triangles, group, ArgsRequest::MAX_LIMIT, at)?])
         };
-        let offsets = |label: &str, cells: usize| Buffer::storage(device, label, WorkOwners::words(triangles, cells));
+        let words = |cells: usize| WorkOwners::words_of_clusters(triangles, cells);
+        let offsets = |label: &str, cells: usize| Buffer::storage(device, label, words(cells));
+        let culling = casters.clusters.as_ref().zip(culls).map(|(clusters, culls)| -> Result<Culling> {
+            let [triangles, ..] = clusters.elements;
+            let list = |of, elements| {
+                let culled = culls == SetupOf::Both || culls == of;
+                culled.then(|| ClusterList::new(device, queue, elements)).transpose()
+            };
+            Ok(Culling {
+                boxes: clusters.boxes.clone(),
+                camera: list(SetupOf::Camera, [triangles, 0, 0])?,
+                light: list(SetupOf::Light, clusters.elements)?,
+            })
+        });
         Ok(Self {
+            culling: culling.transpose()?,
             points: Buffer::storage_with_room(device, "vertex_project.points", vertices, 3 * receivers)?,
             map_points: Buffer::storage(device, "vertex_project.map_points", vertices)?,
             requested: RequestedBlocks::memory(device, map)?,
@@ -126,28 +164,48 @@ impl Geometry {
         rec: &mut Recorder,
         with: &GeometryPipelines,
         frame: &Buffer<Frame>,
-        casters: &CasterBuffers,
+        (casters, status): (&CasterBuffers, &Buffer<u32>),
         of: SetupOf,
     ) -> Result<()> {
+        if let Some(Culling { boxes, camera, light }) = &self.culling {
+            let stage = &mut rec.stage("cluster_culling");
+            if let Some(list) = camera.as_ref().filter(|_| of != SetupOf::Light) {
+                with.culling.record_camera(stage, frame, boxes, list, status)?;
+            }
+            if let Some(list) = light.as_ref().filter(|_| of != SetupOf::Camera) {
+                with.culling.record_light(stage, frame, boxes, &self.requested, list, status)?;
+            }
+        }
         let stage = &mut rec.stage("triangle_setup");
         let (positions, triangles) = (&casters.positions, &casters.triangles);
         let (count, points, facts) = (triangles.len(), &self.points, &self.facts);
-        let list = |stage: &mut Stage, items: &Buffer<u32>, offsets: &Buffer<u32>, requests: &Requests| {
-            with.work.record(stage, (items, count), offsets, &self.scan_scratch, (requests, &self.args))
-        };
+        let list =
+            |stage: &mut Stage, of: Elements, items: &Buffer<u32>, offsets: &Buffer<u32>, requests: &Requests| {
+                with.work.record(stage, (items, of), offsets, &self.scan_scratch, (requests, &self.args))
+            };
         let [camera, light] = &self.requests;
         if of != SetupOf::Light {
             with.project.record_place(stage, frame, positions, points);
-            with.setup.record_camera(stage, frame, triangles, points, facts, count);
-            list(stage, &facts.camera_items, &self.camera_offsets, camera)?;
+            let seen = self.culling.as_ref().and_then(|culling| culling.camera.as_ref());
+            let seen = seen.map_or(count.into(), |list| list.elements(ClusterPart::Triangles, count));
+            with.setup.record_camera(stage, frame, triangles, points, facts, seen)?;
+            list(stage, seen, &facts.camera_items, &self.camera_offsets, camera)?;
         }
         if of != SetupOf::Camera {
             let map_points = &self.map_points;
-            with.project.record_project(stage, frame, points, map_points, positions.len());
-            with.setup.record_light(stage, frame, triangles, points, map_points, &self.requested, facts, count);
-            list(stage, &facts.light_items, &self.light_offsets, light)?;
+            let vertices = self.of_light(ClusterPart::Vertices, positions.len());
+            with.project.record_project(stage, frame, points, map_points, vertices)?;
+            let lit = self.of_light(ClusterPart::Triangles, count);
+            with.setup.record_light(stage, frame, triangles, points, map_points, &self.requested, facts, lit)?;
+            list(stage, lit, &facts.light_items, &self.light_offsets, light)?;
         }
         Ok(())
+    }
+
+    /// The triangles, edges or vertices, `count` in all, of which [`Geometry::record_setup`] makes something in the light's view.
+    pub fn of_light(&self, part: ClusterPart, count: usize) -> Elements<'_> {
+        let light = self.culling.as_ref().and_then(|culling| culling.light.as_ref());
+        light.map_or(count.into(), |list| list.elements(part, count))
     }
 
     /// Records the stage `camera_visibility`, after [`Geometry::record_setup`].

@@ -7,6 +7,7 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::silhouette_mask;
 use crate::gpu::{Buffer, Recorder};
+use crate::stages::cluster_culling::ClusterPart;
 use crate::stages::dispatch_args::{ArgsRequest, Requests};
 use crate::stages::front_layer::FrontLayer;
 use crate::stages::light_layers::{Layers, LightLayers};
@@ -78,7 +79,11 @@ impl LightMaps {
             kept: Buffer::storage(device, "light_maps.kept", 2)?,
             edge_rects: Buffer::storage(device, "silhouette_mask.edge_rects", edges)?,
             edge_items: Buffer::storage(device, "silhouette_mask.edge_items", edges)?,
-            edge_offsets: Buffer::storage(device, "silhouette_mask.edge_offsets", WorkOwners::words(edges, texels))?,
+            edge_offsets: Buffer::storage(
+                device,
+                "silhouette_mask.edge_offsets",
+                WorkOwners::words_of_clusters(edges, texels),
+            )?,
             scan_scratch: PrefixScan::scratch(device, edges)?,
             sat_scratch: with.summed_area.scratch(device, size, size)?,
             requests: DispatchArgs::requests(device, queue, &[request])?,
@@ -116,20 +121,10 @@ impl LightMaps {
             let stage = &mut rec.stage("silhouette_mask");
             let (edges, points, facing) = (&casters.edges, &geometry.map_points, &geometry.facts.facing);
             let (rects, items, offsets) = (&self.edge_rects, &self.edge_items, &self.edge_offsets);
-            let requested = &geometry.requested;
-            with.silhouettes.record_classify(
-                stage,
-                frame,
-                edges,
-                facing,
-                points,
-                requested,
-                rects,
-                items,
-                status,
-                edges.len(),
-            );
-            with.work.record(stage, (items, items.len()), offsets, &self.scan_scratch, (&self.requests, &self.args))?;
+            let (requested, of) = (&geometry.requested, geometry.of_light(ClusterPart::Edges, edges.len()));
+            with.silhouettes
+                .record_classify(stage, frame, edges, facing, points, requested, rects, items, status, of)?;
+            with.work.record(stage, (items, of), offsets, &self.scan_scratch, (&self.requests, &self.args))?;
             let args = (self.args.raw(), 0);
             with.silhouettes.record_raster(stage, frame, edges, points, rects, offsets, args, layers);
         }

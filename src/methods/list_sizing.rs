@@ -303,6 +303,7 @@ pub fn counts(status: &Status) -> Counts {
     let head = &status.head;
     let state = |s: FacetState| u64::from(head.facets[s as usize]);
     Counts {
+        kept_triangles: u64::from(head.kept_triangles),
         silhouette_edges: u64::from(head.silhouette_edges),
         silhouette_texels: sum(|band| band.marked_texels),
         silhouette_pixels: state(FacetState::Undecided),

@@ -8,7 +8,10 @@ use crate::gpu::StageTime;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
-    /// Edges that are silhouettes from the light.
+    /// Triangles of the clusters that camera and light may hold something of, those of all views added up; 0 where
+    /// [none are left out](crate::methods::Settings::least_culled).
+    pub kept_triangles: u64,
+    /// Edges that are silhouettes from the light; where clusters of edges are left out, those with texels, once for each view.
     pub silhouette_edges: u64,
     /// Texels marked in the silhouette mask map: silhouettes, and texels whose front layer could not be proved.
     pub silhouette_texels: u64,
@@ -157,6 +160,7 @@ impl Counts {
     /// With the counts of other rows; what the light sees is the same for all, and is found for one of them at least.
     pub(crate) fn with_rows(self, o: Self) -> Self {
         Self {
+            kept_triangles: self.kept_triangles + o.kept_triangles,
             silhouette_edges: self.silhouette_edges.max(o.silhouette_edges),
             silhouette_texels: self.silhouette_texels.max(o.silhouette_texels),
             silhouette_pixels: self.silhouette_pixels + o.silhouette_pixels,

@@ -7,6 +7,8 @@ use crate::scene::adjacency::{Adjacency, Edge};
 use crate::scene::mesh_tree::MeshTree;
 use crate::scene::objects::object_boxes;
 use crate::scene::{AlphaTested, Camera, Light, Mesh};
+use crate::stages::cluster_bounds::{ClusterUses, cluster_uses};
+use crate::stages::cluster_culling::{CLUSTER, ClusterBox, Clusters, cluster_boxes};
 use crate::stages::sample_surfaces::SEVERAL;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,6 +35,8 @@ pub struct Prepared {
     pub bodies: Arc<Vec<bool>>,
     /// Lowest triangle of each triangle's surface: the edge-connected ones that lie in one plane, exactly.
     pub surfaces: Vec<u32>,
+    /// Boxes of its clusters; none where one holds it all.
+    pub(crate) clusters: Vec<ClusterBox>,
     /// Its triangles that are alpha-tested.
     pub(crate) alpha: Arc<AlphaTested>,
     pub(super) tree: Arc<OnceLock<MeshTree>>,
@@ -101,17 +105,26 @@ impl Prepared {
         let alpha = if alpha.is_empty() { alpha.clone() } else { alpha.renumbered(mesh, &canonical, &given) };
         let alone: Vec<u32> = alpha.triangles.iter().map(|of| of.triangle).collect();
         let Adjacency { edges, closed, bodies, surfaces, .. } = Adjacency::but_for(&canonical, &alone);
-        Ok(Self {
+        let prepared = Self {
             mesh: Arc::new(canonical),
             given,
             edges,
             closed,
             bodies: Arc::new(bodies),
             surfaces,
+            clusters: Vec::new(),
             alpha: Arc::new(alpha),
             tree: Arc::default(),
             known: KnownFacts::default(),
-        })
+        };
+        Ok(prepared.in_clusters())
+    }
+
+    /// The same with boxes of its clusters, where it has several.
+    pub(super) fn in_clusters(self) -> Self {
+        let several = self.mesh.triangles.len() > CLUSTER;
+        let clusters = if several { cluster_boxes(&self.mesh, &self.edges) } else { Vec::new() };
+        Self { clusters, ..self }
     }
 
     /// Boxes that hold its connected parts, no more than 64 of one or several each: found once.
@@ -134,6 +147,7 @@ impl Prepared {
             closed: false,
             bodies: Arc::new(vec![false; triangles]),
             surfaces: (0..triangles as u32).collect(),
+            clusters: Vec::new(),
             alpha: Arc::new(alpha),
             tree: Arc::default(),
             known: KnownFacts::default(),
@@ -145,7 +159,8 @@ impl Prepared {
         let Self { mesh, closed, bodies, alpha, tree, known, .. } = self;
         let (mesh, bodies, alpha, tree) = (mesh.clone(), bodies.clone(), alpha.clone(), tree.clone());
         let (closed, known) = (*closed, known.clone());
-        Self { mesh, closed, bodies, alpha, tree, known, given: Vec::new(), edges: Vec::new(), surfaces: Vec::new() }
+        let (given, edges, surfaces, clusters) = Default::default();
+        Self { mesh, closed, bodies, alpha, tree, known, given, edges, surfaces, clusters }
     }
 
     /// The same, of which it is not known which triangles are of closed bodies, as where they will move.
@@ -242,7 +257,29 @@ impl Prepared {
                 .merges()
                 .then(|| Buffer::from_slice(device, queue, "casters.surfaces", &marked_surfaces(&self.surfaces)))
                 .transpose()?,
+            clusters: self.clusters_on(device)?.inspect(|clusters| clusters.boxes.write(queue, &self.clusters)),
         })
+    }
+
+    /// Memory for the clusters of a mesh whose vertices move, which has no boxes of vertices.
+    pub(crate) fn moving_clusters_on(&self, device: &wgpu::Device) -> Result<Clusters> {
+        let elements = [self.mesh.triangles.len(), self.edges.len(), 0];
+        let count = elements.iter().map(|n| n.div_ceil(CLUSTER)).sum();
+        Ok(Clusters { boxes: Buffer::storage(device, "casters.clusters", count)?, elements })
+    }
+
+    /// Clusters of vertices that those of its triangles and edges use.
+    pub(crate) fn cluster_uses_on(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<ClusterUses> {
+        ClusterUses::new(device, queue, &cluster_uses(&self.mesh, &self.edges), self.mesh.positions.len())
+    }
+
+    /// Memory for its clusters.
+    fn clusters_on(&self, device: &wgpu::Device) -> Result<Option<Clusters>> {
+        if self.clusters.is_empty() {
+            return Ok(None);
+        }
+        let elements = [self.mesh.triangles.len(), self.edges.len(), self.mesh.positions.len()];
+        Ok(Some(Clusters { boxes: Buffer::storage(device, "casters.clusters", self.clusters.len())?, elements }))
     }
 }
 
@@ -259,6 +296,7 @@ impl CasterBuffers {
             triangles: Buffer::storage_with_room(device, "casters.triangles", mesh.triangles.len(), room)?,
             edges: Buffer::storage(device, "casters.edges", prepared.edges.len())?,
             surfaces: prepared.merges().then(surfaces).transpose()?,
+            clusters: prepared.clusters_on(device)?,
         })
     }
 }
@@ -330,6 +368,8 @@ pub struct CasterBuffers {
     pub edges: Buffer<Edge>,
     /// Lowest triangle of each triangle's surface, with [`SEVERAL`] where that has more than one; none if all have one.
     pub surfaces: Option<Buffer<u32>>,
+    /// Clusters of casters that stand.
+    pub clusters: Option<Clusters>,
 }
 
 #[cfg(test)]

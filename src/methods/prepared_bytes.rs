@@ -144,11 +144,12 @@ impl Prepared {
         let bodies = bodies.into_iter().map(|body| body != 0).collect::<Vec<_>>();
         let (mesh, bodies, alpha) = (mesh.into(), bodies.into(), alpha.into());
         let tree = Arc::new(OnceLock::from(tree));
-        let read = Self { mesh, given, edges, closed: closed != 0, bodies, surfaces, alpha, tree, known };
+        let (closed, clusters) = (closed != 0, Vec::new());
+        let read = Self { mesh, given, edges, closed, bodies, surfaces, clusters, alpha, tree, known };
         if !read.is_in_range() {
             return Err(bad("numbers of triangles or vertices out of range"));
         }
-        Ok(read)
+        Ok(read.in_clusters())
     }
 
     /// Whether every list has an element a triangle, and all numbers in them are of triangles and vertices of this mesh.

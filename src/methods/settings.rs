@@ -169,6 +169,9 @@ pub struct Settings {
     /// among its casters, or where that leaves less than a sixteenth of a view. The picture is the same. Of `facet-masks`, without a
     /// [partition](Settings::partition), which tells for all methods how views lie over what is seen.
     pub focus: bool,
+    /// Fewest triangles of which those outside a view are left out [by clusters](crate::stages::cluster_culling), before each is looked at; of
+    /// casters that are not in parts. The picture is the same.
+    pub least_culled: usize,
     /// Triangles may be [alpha-tested](crate::scene::AlphaTested); of all methods but `spsm`. A pass of casters of which some are has it set, and so has a
     /// renderer; a pass that shall take such casters later needs it from the beginning.
     pub alpha_tested: bool,
@@ -219,6 +222,9 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Fewer triangles are set up, all of them, in the time that finding those outside a view takes.
+    pub const LEAST_CULLED: usize = 65_536;
+
     /// The light's view of a mesh, as tight as what may be in shadow allows. Apart from the first time, which makes
     /// a tree of the mesh, it takes no walk over all triangles, so a light may move from frame to frame.
     ///
@@ -347,6 +353,7 @@ impl Settings {
             hide_backs: true,
             request_blocks: true,
             focus: true,
+            least_culled: Self::LEAST_CULLED,
             alpha_tested: false,
             filter: PixelFilter::Box,
             masks: MaskVariant::Exact,

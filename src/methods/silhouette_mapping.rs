@@ -6,6 +6,7 @@ use super::fixed_memory::{AskedViews, FixedMethod, MethodParts, StageInputs};
 use crate::Result;
 use crate::gpu::kernels::silhouette_mask;
 use crate::gpu::{Buffer, Gpu, Recorder};
+use crate::stages::cluster_culling::ClusterPart;
 use crate::stages::dispatch_args::{ArgsRequest, Requests};
 use crate::stages::light_layers::{Layers, LightLayers};
 use crate::stages::silhouette_map::SilhouetteMap;
@@ -56,7 +57,7 @@ impl SilhouetteMapping {
             edge_offsets: Buffer::storage(
                 device,
                 "silhouette_mask.edge_offsets",
-                WorkOwners::words(edges, size * size),
+                WorkOwners::words_of_clusters(edges, size * size),
             )?,
             scan_scratch: PrefixScan::scratch(device, edges)?,
             requests: DispatchArgs::requests(device, queue, &[request])?,
@@ -81,11 +82,16 @@ impl FixedMethod for SilhouetteMapping {
             let stage = &mut rec.stage("silhouette_mask");
             let (edges, points, facing) = (&casters.edges, &geometry.map_points, &geometry.facts.facing);
             let (rects, items, requested) = (&self.edge_rects, &self.edge_items, &geometry.requested);
-            let count = edges.len();
+            let of = geometry.of_light(ClusterPart::Edges, edges.len());
             self.silhouettes
-                .record_classify(stage, frame, edges, facing, points, requested, rects, items, status, count);
-            let list = (items, items.len());
-            self.work.record(stage, list, &self.edge_offsets, &self.scan_scratch, (&self.requests, &self.args))?;
+                .record_classify(stage, frame, edges, facing, points, requested, rects, items, status, of)?;
+            self.work.record(
+                stage,
+                (items, of),
+                &self.edge_offsets,
+                &self.scan_scratch,
+                (&self.requests, &self.args),
+            )?;
         }
         let blocks = EdgeBlocks {
             edges: &casters.edges,

@@ -38,16 +38,17 @@ impl UploadedCasters {
 
     /// Bytes of all its buffers. No pass counts them as its own ([`ShadowPass::memory`](crate::ShadowPass::memory)).
     pub fn bytes(&self) -> u64 {
-        let CasterBuffers { positions, triangles, edges, surfaces } = &self.buffers;
+        let CasterBuffers { positions, triangles, edges, surfaces, clusters } = &self.buffers;
         let of_surfaces = surfaces.as_ref().map_or(0, Buffer::bytes);
-        positions.bytes() + triangles.bytes() + edges.bytes() + of_surfaces + self.numbers.bytes()
+        let of_clusters = clusters.as_ref().map_or(0, |clusters| clusters.boxes.bytes());
+        positions.bytes() + triangles.bytes() + edges.bytes() + of_surfaces + of_clusters + self.numbers.bytes()
     }
 
     /// The casters of a pass, in this memory.
     pub(super) fn set(&self) -> CasterSet {
         let Self { prepared, buffers, numbers, .. } = self;
         let (prepared, buffers, numbers) = (prepared.clone(), buffers.clone(), numbers.clone());
-        CasterSet { prepared, buffers, numbers, moves: None, parts: None }
+        CasterSet { prepared, buffers, numbers, moves: None, parts: None, bounds: None }
     }
 }
 
@@ -74,6 +75,7 @@ enum List {
     Triangles,
     Edges,
     Surfaces,
+    Clusters,
     Numbers,
     Done,
 }
@@ -156,7 +158,12 @@ impl Writing {
             List::Surfaces => {
                 let to = to.surfaces.as_ref();
                 to.iter().for_each(|to| to.write(queue, &marked_surfaces(&prepared.surfaces)));
-                (List::Numbers, 0, [0, to.map_or(0, |to| to.bytes() as usize)])
+                (List::Clusters, 0, [0, to.map_or(0, |to| to.bytes() as usize)])
+            }
+            List::Clusters => {
+                let boxes = to.clusters.iter().map(|clusters| &clusters.boxes);
+                let written = boxes.inspect(|to| to.write(queue, &prepared.clusters)).map(Buffer::bytes).sum::<u64>();
+                (List::Numbers, 0, [0, written as usize])
             }
             List::Numbers => {
                 self.to.numbers.write(queue, &numbers(&prepared.given));

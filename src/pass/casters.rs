@@ -9,6 +9,8 @@ use crate::methods::prepared::{CasterBuffers, MeshBuffers, Prepared, padded, sur
 use crate::scene::weld::{UNUSED, weld};
 use crate::scene::{AlphaTested, Camera, Mesh, TestedTriangle};
 use crate::stages::caster_positions::CasterPositions;
+use crate::stages::cluster_bounds::{ClusterBounds, ClusterUses};
+use crate::stages::cluster_culling::CLUSTER;
 use crate::stages::instance_positions::InstancePositions;
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -39,11 +41,13 @@ pub struct CasterSet {
     pub moves: Option<Moves>,
     /// Those that are in parts: `prepared` is then empty.
     pub parts: Option<PartSet>,
+    /// Of casters that move: boxes of their clusters are made anew where they are at their places.
+    pub bounds: Option<(ClusterUses, Arc<ClusterBounds>)>,
 }
 
 impl CasterSet {
-    /// Checks, prepares and uploads them.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters) -> Result<Self> {
+    /// Checks, prepares and uploads them; those that move in clusters where there are `least_culled` triangles at least.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, casters: &Casters, least_culled: usize) -> Result<Self> {
         let slice = |label: &str, data: &[[u32; 2]]| Buffer::from_slice(device, queue, label, data);
         let whole = AlphaTested::default();
         let (casters, tested) = match *casters {
@@ -97,12 +101,18 @@ impl CasterSet {
             prepared = prepared.without_bodies();
         }
         let mut buffers = prepared.upload(device, queue)?;
+        let mut bounds = None;
         if moves.is_some() {
             buffers.surfaces = None; // what lies in one plane at rest may not in motion
+            buffers.clusters = None;
+            if prepared.mesh.triangles.len() >= least_culled.max(CLUSTER + 1) {
+                bounds = Some((prepared.cluster_uses_on(device, queue)?, Arc::new(ClusterBounds::new(device))));
+                buffers.clusters = Some(prepared.moving_clusters_on(device)?);
+            }
         }
         let numbers = Buffer::from_slice(device, queue, "casters.numbers", &numbers(&prepared.given))?;
-        (prepared.given, prepared.edges, prepared.surfaces) = Default::default();
-        Ok(Self { prepared: Arc::new(prepared), buffers, numbers, moves, parts: None })
+        (prepared.given, prepared.edges, prepared.surfaces, prepared.clusters) = Default::default();
+        Ok(Self { prepared: Arc::new(prepared), buffers, numbers, moves, parts: None, bounds })
     }
 
     /// Uploads casters that stand and are prepared.
@@ -113,7 +123,7 @@ impl CasterSet {
     /// Uploads casters in parts.
     pub fn of_parts(device: &wgpu::Device, queue: &wgpu::Queue, parts: PartSet) -> Result<Self> {
         let (buffers, numbers) = parts.upload(device, queue)?;
-        Ok(Self { prepared: Arc::default(), buffers, numbers, moves: None, parts: Some(parts) })
+        Ok(Self { prepared: Arc::default(), buffers, numbers, moves: None, parts: Some(parts), bounds: None })
     }
 
     /// The same casters in the same memory.
@@ -124,9 +134,9 @@ impl CasterSet {
         if self.parts.is_some() {
             return Err(Error::Config("casters in parts are those of one pass: another is given its own".to_owned()));
         }
-        let Self { prepared, buffers, numbers, moves, .. } = self;
+        let Self { prepared, buffers, numbers, moves, bounds, .. } = self;
         let (prepared, buffers, numbers) = (prepared.clone(), buffers.clone(), numbers.clone());
-        Ok(Self { prepared, buffers, numbers, moves: moves.clone(), parts: None })
+        Ok(Self { prepared, buffers, numbers, moves: moves.clone(), parts: None, bounds: bounds.clone() })
     }
 
     /// Whether all of them stand, so that what is made of them does.
@@ -182,13 +192,19 @@ impl CasterSet {
         match (&self.moves, &inputs.moved, &inputs.placed) {
             (Some(Moves::Vertices(places)), Some(moved), _) => {
                 let stage = &mut rec.stage("caster_positions");
-                gather.record(stage, moved.vertices, places, (moved.bounds, homography), positions, faults)
+                gather.record(stage, moved.vertices, places, (moved.bounds, homography), positions, faults)?;
             }
             (Some(Moves::Transforms { instances, sources, vertices, stage: with }), _, Some(placed)) => {
                 let stage = &mut rec.stage("instance_positions");
                 let transforms = (placed.transforms, *instances);
                 let to = (placed.bounds, homography);
-                with.record(stage, transforms, sources, vertices, to, (positions, 0), faults)
+                with.record(stage, transforms, sources, vertices, to, (positions, 0), faults)?;
+            }
+            _ => return Ok(()),
+        }
+        match (&self.bounds, &self.buffers.clusters) {
+            (Some((uses, with)), Some(clusters)) => {
+                with.record(&mut rec.stage("cluster_bounds"), positions, uses, &clusters.boxes)
             }
             _ => Ok(()),
         }

@@ -220,7 +220,7 @@ impl ShadowPass {
     /// casters that are no geometry; [`Error::Memory`] and [`Error::Gpu`] if memory does not suffice or the device refuses.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, config: &PassConfig) -> Result<Self> {
         check_moving(&config.casters, config.method)?;
-        let casters = || CasterSet::new(device, queue, &config.casters);
+        let casters = || CasterSet::new(device, queue, &config.casters, config.settings.least_culled);
         Self::with(device, queue, config, config.casters.are_tested(), casters)
     }
 
@@ -338,7 +338,7 @@ impl ShadowPass {
         let method = self.maker.pipelines.method();
         check_moving(casters, method)?;
         check_tested(casters.are_tested(), &self.settings, method)?;
-        CasterSet::new(&self.maker.device, &self.maker.queue, casters)
+        CasterSet::new(&self.maker.device, &self.maker.queue, casters, self.settings.least_culled)
     }
 
     /// Makes memory anew; with `before`, lists as long, and as many strips.

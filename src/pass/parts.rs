@@ -385,6 +385,7 @@ impl PartSet {
             triangles,
             edges: Buffer::from_slice(device, queue, "casters.edges", &edges)?,
             surfaces: Some(Buffer::from_slice(device, queue, "casters.surfaces", &surfaces)?),
+            clusters: None,
         };
         Ok((buffers, Buffer::from_slice(device, queue, "casters.numbers", &numbers)?))
     }

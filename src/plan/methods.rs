@@ -1,6 +1,6 @@
 //! Stages of methods other than `facet-masks`, and which of those a scene or setting makes needless.
 
-use super::{Extent, Plan, PlanStep};
+use super::{CULLING, Extent, Plan, PlanStep};
 use crate::Result;
 use crate::light_view::{LightView, OmniMaps};
 use crate::methods::facet_masks::{FacetMode, Settings};
@@ -171,8 +171,8 @@ impl Plan {
         let by_edges = matches!(wanted.pages.rule, PageRule::Edges | PageRule::Tiled);
         let of_edges = query == TexelQuery::Pages && by_edges;
         let kept = |s: &PlanStep| match s.name {
-            "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage" | "sample_surfaces"
-            | "seen_depths" => true,
+            CULLING | "triangle_setup" | "camera_visibility" | "pixel_triangles" | "pixel_coverage"
+            | "sample_surfaces" | "seen_depths" => true,
             "facet_classify" | "resolve" => of_facets || extent == Extent::Facing,
             name => {
                 let of_rays = query == TexelQuery::Rays && settings.ray_traced.silhouettes && settings.settle;
@@ -180,7 +180,7 @@ impl Plan {
             }
         };
         let mut steps: Vec<PlanStep> = shadowless.into_iter().filter(kept).collect();
-        let at = if of_facets { steps.len() - 1 } else { 2 };
+        let at = if of_facets { steps.len() - 1 } else { 3 };
         let proved = if of_edges { steps.iter().filter(|s| PROOF.contains(&s.name)).count() } else { 0 };
         steps.splice(at + proved..at + proved, own);
         if !of_facets {

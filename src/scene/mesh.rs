@@ -109,7 +109,8 @@ impl Mesh {
     ///
     /// The form does not depend on the order of the triangles, on which corner each starts with, or on the numbering
     /// of the vertices: vertices are welded by position (−0 becomes +0), those that no triangle uses are dropped, and
-    /// the rest are sorted; each triangle starts with its smallest vertex, winding kept; triangles are sorted. Exact
+    /// the rest are sorted along a curve that visits each eighth of their cube after the other (Morton 1966), so that near
+    /// ones have near numbers; each triangle starts with its smallest vertex, winding kept; triangles are sorted. Exact
     /// duplicates are kept, and among them the earlier comes first.
     ///
     /// # Panics

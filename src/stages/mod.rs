@@ -7,6 +7,8 @@ pub mod axis_density;
 pub mod camera_visibility;
 pub mod candidate_pairs;
 pub mod caster_positions;
+pub mod cluster_bounds;
+pub mod cluster_culling;
 pub mod compact;
 pub mod compared_depths;
 pub mod deep_map;
@@ -65,6 +67,8 @@ pub mod warped_casters;
 pub mod warped_query;
 pub mod work_owners;
 
+pub use cluster_bounds::ClusterBounds;
+pub use cluster_culling::ClusterCulling;
 pub use compact::Compact;
 pub use dispatch_args::DispatchArgs;
 pub use prefix_scan::PrefixScan;
@@ -99,6 +103,8 @@ pub enum Count<'a> {
     Exactly(usize),
     /// This word of a buffer says; what exceeds the stage's capacity is left out. The work is sized by the capacity.
     At(&'a Buffer<u32>, usize),
+    /// The same, where nobody reads what lies beyond the count: it may be left as it is, and the work is sized by the count.
+    Only(&'a Buffer<u32>, usize),
 }
 
 impl From<usize> for Count<'_> {
@@ -118,7 +124,9 @@ impl<'a> Count<'a> {
                 Err(Error::Config(format!("{stage}: {n} items, but the scratch memory is for {capacity}")))
             }
             Self::Exactly(n) => Ok(n),
-            Self::At(buffer, word) => holds(stage, "count", buffer.len(), word + 1).map(|()| capacity),
+            Self::At(buffer, word) | Self::Only(buffer, word) => {
+                holds(stage, "count", buffer.len(), word + 1).map(|()| capacity)
+            }
         }
     }
 
@@ -126,7 +134,7 @@ impl<'a> Count<'a> {
     pub(crate) fn word(&self) -> u32 {
         match *self {
             Self::Exactly(_) => 0,
-            Self::At(_, word) => word as u32,
+            Self::At(_, word) | Self::Only(_, word) => word as u32,
         }
     }
 
@@ -134,7 +142,7 @@ impl<'a> Count<'a> {
     pub(crate) fn words<T: Pod>(&self, params: &'a Buffer<T>) -> Read<'a, u32> {
         match *self {
             Self::Exactly(_) => params.as_read().cast(),
-            Self::At(buffer, _) => buffer.as_read(),
+            Self::At(buffer, _) | Self::Only(buffer, _) => buffer.as_read(),
         }
     }
 }

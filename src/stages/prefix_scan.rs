@@ -3,7 +3,7 @@
 //! - **Purpose.** Turns counts into offsets: output `i` is the sum of all inputs before `i`.
 //! - **Reads** the input; values from the count on are taken as 0.
 //! - **Writes** the output up to the count (host-known count) or up to the capacity (count in a buffer; what is beyond
-//!   the count then holds the total), `total[word]` (the sum) and `total[word + 1]` (1 if it exceeds `u32::MAX`, else 0).
+//!   the count then holds the total, or with [`Count::Only`] anything), `total[word]` (the sum) and `total[word + 1]` (1 if it exceeds `u32::MAX`, else 0).
 //! - **Guarantee.** Exact; sums above `u32::MAX` are `u32::MAX` and the flag is set; the same bits on every run.
 //! - **Capacity.** Whatever the buffers hold. Lists above the binding limit ([`Buffer::banded`]) are bound in segments
 //!   of whole blocks, so 2^26 values work where one binding holds 2^25.
@@ -33,8 +33,8 @@ shared_struct! {
         pub blocks: u32,
         /// Where the sum goes.
         pub total_word: u32,
-        /// Unused.
-        pub pad: u32,
+        /// 1: nothing need be written beyond the count.
+        pub only_counted: u32,
     }
 }
 
@@ -124,6 +124,7 @@ impl PrefixScan {
                         first: first as u32,
                         length: length as u32,
                         first_block: (first / block) as u32,
+                        only_counted: matches!(count, Count::Only(..)).into(),
                         ..PrefixScanParams::default()
                     },
                 )?;

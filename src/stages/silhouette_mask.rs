@@ -9,10 +9,12 @@
 //!   twice holds no edge.
 //! - **Cost.** One dispatch over edges, one indirect dispatch over blocks.
 
+use super::cluster_culling::{ClusterParams, Elements};
 use super::light_layers::Layers;
+use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::silhouette_mask as kernel;
-use crate::gpu::{Buffer, Groups, Stage};
+use crate::gpu::{Buffer, Groups, Stage, Uniforms};
 use crate::scene::Edge;
 
 /// The pipelines.
@@ -20,17 +22,26 @@ use crate::scene::Edge;
 pub struct SilhouetteMask {
     classify: kernel::ClassifyProgram,
     raster: kernel::RasterProgram,
+    uniforms: Uniforms,
 }
 
 impl SilhouetteMask {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { classify: kernel::ClassifyProgram::new(device, ()), raster: kernel::RasterProgram::new(device, ()) }
+        Self {
+            classify: kernel::ClassifyProgram::new(device, ()),
+            raster: kernel::RasterProgram::new(device, ()),
+            uniforms: Uniforms::default(),
+        }
     }
 
-    /// Records which of `count` edges are silhouettes; adds their number to the silhouette edges of `status`.
+    /// Records which edges are silhouettes; adds their number to the silhouette edges of `status`, of a list of clusters
+    /// that of those with texels.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
-    pub fn record_classify(
+    pub fn record_classify<'a>(
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
@@ -41,8 +52,9 @@ impl SilhouetteMask {
         edge_rects: &Buffer<[u32; 2]>,
         edge_items: &Buffer<u32>,
         status: &Buffer<u32>,
-        count: usize,
-    ) {
+        of: impl Into<Elements<'a>>,
+    ) -> Result<()> {
+        let (of, all) = (of.into(), self.uniforms.get(stage.device, &ClusterParams::ALL)?);
         let bindings = kernel::Classify {
             frame: frame.as_uniform(),
             edges: edges.as_read(),
@@ -52,8 +64,10 @@ impl SilhouetteMask {
             edge_rects: edge_rects.as_write(),
             edge_items: edge_items.as_write(),
             status: status.as_write(),
+            kept_clusters: of.list(&all),
         };
-        stage.run(&self.classify, bindings, Groups::Items(count as u64));
+        stage.run(&self.classify, bindings, of.groups());
+        Ok(())
     }
 
     /// Records the marking of the texels they touch.

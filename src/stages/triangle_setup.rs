@@ -6,12 +6,14 @@
 //!   With [`Frame::CULL_BACK`](crate::frame::Frame::CULL_BACK), and no validity masks, what surely turns away of closed bodies has no texels.
 //!   Of texels, the least rectangle of those requested ([`requested_blocks`](super::requested_blocks)), or a larger one.
 //! - **Guarantee.** Rectangles are conservative; facing is `UNSURE` within the rounding bound.
+//!   Of triangles that it does not take (of clusters that are [not kept](super::cluster_culling)) nothing is written.
 //! - **Cost.** A dispatch for either view; about 45 bytes a triangle each.
 
+use super::cluster_culling::{ClusterParams, Elements};
 use crate::Result;
 use crate::frame::Frame;
 use crate::gpu::kernels::triangle_setup as kernel;
-use crate::gpu::{Buffer, Groups, Stage};
+use crate::gpu::{Buffer, Stage, Uniforms};
 
 pub use kernel::{BACK, DROPPED, FRONT, UNSURE};
 
@@ -20,9 +22,10 @@ pub use kernel::{BACK, DROPPED, FRONT, UNSURE};
 pub struct TriangleSetup {
     camera: kernel::SetupCameraProgram,
     light: kernel::SetupLightProgram,
+    uniforms: Uniforms,
 }
 
-/// Outputs of the stage: one element a triangle.
+/// Outputs of the stage: one element a triangle, of those that it takes. Counts of blocks have the place of the triangle among them.
 #[derive(Debug)]
 pub struct TriangleFacts {
     /// [`FRONT`], [`BACK`], [`UNSURE`] or [`DROPPED`].
@@ -56,32 +59,45 @@ impl TriangleFacts {
 impl TriangleSetup {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { camera: kernel::SetupCameraProgram::new(device, ()), light: kernel::SetupLightProgram::new(device, ()) }
+        Self {
+            camera: kernel::SetupCameraProgram::new(device, ()),
+            light: kernel::SetupLightProgram::new(device, ()),
+            uniforms: Uniforms::default(),
+        }
     }
 
-    /// Records the setup of `count` triangles in the camera's view.
-    pub fn record_camera(
+    /// Records the setup of triangles in the camera's view.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
+    pub fn record_camera<'a>(
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
         triangles: &Buffer<[u32; 4]>,
         points: &Buffer<[f32; 4]>,
         facts: &TriangleFacts,
-        count: usize,
-    ) {
+        of: impl Into<Elements<'a>>,
+    ) -> Result<()> {
+        let (of, all) = (of.into(), self.uniforms.get(stage.device, &ClusterParams::ALL)?);
         let bindings = kernel::SetupCamera {
             frame: frame.as_uniform(),
             triangles: triangles.as_read(),
             points: points.as_read(),
             camera_rects: facts.camera_rects.as_write(),
             camera_items: facts.camera_items.as_write(),
+            kept_clusters: of.list(&all),
         };
-        stage.run(&self.camera, bindings, Groups::Items(count as u64));
+        stage.run(&self.camera, bindings, of.groups());
+        Ok(())
     }
 
-    /// Records the setup of `count` triangles in the light's view, of the blocks that are `requested`.
+    /// Records the setup of triangles in the light's view, of the blocks that are `requested`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device has no memory for parameters.
     #[expect(clippy::too_many_arguments, reason = "one argument a buffer, inputs first")]
-    pub fn record_light(
+    pub fn record_light<'a>(
         &self,
         stage: &mut Stage,
         frame: &Buffer<Frame>,
@@ -90,8 +106,9 @@ impl TriangleSetup {
         map_points: &Buffer<[f32; 4]>,
         requested: &Buffer<u32>,
         facts: &TriangleFacts,
-        count: usize,
-    ) {
+        of: impl Into<Elements<'a>>,
+    ) -> Result<()> {
+        let (of, all) = (of.into(), self.uniforms.get(stage.device, &ClusterParams::ALL)?);
         let bindings = kernel::SetupLight {
             frame: frame.as_uniform(),
             triangles: triangles.as_read(),
@@ -101,7 +118,9 @@ impl TriangleSetup {
             facing: facts.facing.as_write(),
             light_rects: facts.light_rects.as_write(),
             light_items: facts.light_items.as_write(),
+            kept_clusters: of.list(&all),
         };
-        stage.run(&self.light, bindings, Groups::Items(count as u64));
+        stage.run(&self.light, bindings, of.groups());
+        Ok(())
     }
 }

@@ -108,7 +108,7 @@ fn one() {
 fn what_has_holes_is_no_layer() {
     let mut others = 0;
     for (k, name) in MESHES.iter().enumerate() {
-        let whole = Case::new(&mesh(name, 3), light(k as u64), [1, 1], 64);
+        let whole = Case::new(&mesh(name, 4), light(k as u64), [1, 1], 64);
         let tested = whole.clone().with_holes();
         let ran = check(gpu(), &tested);
         others += usize::from(fault(&whole, &ran).is_some());

@@ -6,6 +6,8 @@ mod axis_density;
 mod camera_visibility;
 mod candidate_pairs;
 mod caster_positions;
+mod cluster_bounds;
+mod cluster_culling;
 mod compact;
 mod compared_depths;
 mod deep_map;

@@ -90,6 +90,11 @@ fn degenerate() {
         let mut want = wanted(&live);
         want.splice(capacity..capacity, vec![POISON; 3 * BLOCK - capacity]);
         assert_same(&format!("count {count} of {capacity}"), &got, &want);
+        // Where nobody reads what lies beyond the count, only the rest of its block is written.
+        let only = scan(gpu(), &stage, &values, 3 * BLOCK, Count::Only(&counts, 1), capacity);
+        let end = count.min(capacity).next_multiple_of(BLOCK).min(capacity);
+        want[end..3 * BLOCK].fill(POISON);
+        assert_same(&format!("count {count} of {capacity} alone"), &only, &want);
     }
     let counts = upload(gpu(), &[u32::MAX]);
     let got = scan(gpu(), &stage, &values, values.len(), Count::At(&counts, 0), values.len());

@@ -169,9 +169,9 @@ fn padding_holds_no_doubts() {
 fn two_d_dispatch() {
     let mut random = Random::new(67);
     let (mesh, look, light) = soup_case(20, 1.0, &mut random);
-    // Seven groups of two facets each, where one dimension holds three.
+    // Fourteen groups of two facets each, where one dimension holds three.
     let folded = undecided_world(folding_gpu(), &mesh, look, light, [24, 18], samples(32));
-    let listed = folded.anything(14, &mut random);
+    let listed = folded.anything(28, &mut random);
     let tally = compare(&folded, &listed);
     tally.assert_right("folded");
     assert!(tally.evaluations > 6, "{tally:?}");

@@ -66,6 +66,9 @@ pub fn run<D: Done>(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> D) {
     gpu.check().expect("no error of the device");
 }
 
+/// Words behind the scan of work items where no table was made.
+pub const NO_TABLE: [u32; 3] = [0; 3];
+
 /// A buffer of `data`.
 pub fn upload<T: bytemuck::Pod>(gpu: &Gpu, data: &[T]) -> Buffer<T> {
     let buffer = Buffer::banded(&gpu.device, "test.input", data.len()).expect("memory for the input");

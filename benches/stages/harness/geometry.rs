@@ -128,7 +128,7 @@ fn submit(gpu: &Gpu, record: impl FnOnce(&mut Stage) -> Result<()>) -> Result<()
 impl Work {
     fn of(gpu: &Gpu, items: &Buffer<u32>, per_group: u32) -> Result<Self> {
         let scan = prefix_scan::exclusive(&items.read(gpu)?);
-        let offsets = [scan.sums, vec![scan.total, 0]].concat();
+        let offsets = [scan.sums, vec![scan.total, 0, 0, 0, 0]].concat();
         let args = Buffer::indirect(&gpu.device, "bench.args", 4)?;
         args.write(&gpu.queue, &recorder::fold(u64::from(scan.total.div_ceil(per_group))));
         let offsets = Buffer::from_slice(&gpu.device, &gpu.queue, "bench.offsets", &offsets)?;
@@ -197,9 +197,9 @@ impl Setup {
         submit(gpu, |s| {
             let (project, setup) = (VertexProject::new(device), TriangleSetup::new(device));
             project.record_place(s, &frame, &casters.positions, &points);
-            project.record_project(s, &frame, &points, &map_points, vertices);
-            setup.record_camera(s, &frame, raw, &points, &facts, triangles);
-            setup.record_light(s, &frame, raw, &points, &map_points, &requested, &facts, triangles);
+            project.record_project(s, &frame, &points, &map_points, vertices)?;
+            setup.record_camera(s, &frame, raw, &points, &facts, triangles)?;
+            setup.record_light(s, &frame, raw, &points, &map_points, &requested, &facts, triangles)?;
             Ok(())
         })?;
         let in_camera = Work::of(gpu, &facts.camera_items, kernels::camera_visibility::WORKGROUP)?;
@@ -217,7 +217,7 @@ impl Setup {
         submit(gpu, |s| {
             let (facing, map, rects, items) = (&facts.facing, &map_points, &edge_rects, &edge_items);
             let stage = SilhouetteMask::new(device);
-            stage.record_classify(s, &frame, &casters.edges, facing, map, &requested, rects, items, &status, edges);
+            stage.record_classify(s, &frame, &casters.edges, facing, map, &requested, rects, items, &status, edges)?;
             Ok(())
         })?;
         let edge_work = Work::of(gpu, &edge_items, kernels::silhouette_mask::WORKGROUP)?;

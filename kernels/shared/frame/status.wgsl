@@ -18,6 +18,8 @@ struct StatusHead {
     facets_needed: Need,
     nearest_key: atomic<u32>,     // complement of the bits of the least view depth that pixels see
     farthest_depth: atomic<u32>,  // bits of the greatest
+    // Of the clusters that were kept, in all views; 0 where none are left out
+    kept_triangles: atomic<u32>,
 }
 
 // Needs of one band of facets in one view of the light.

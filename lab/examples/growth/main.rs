@@ -149,6 +149,7 @@ fn measure(gpu: &Gpu, axis: &Axis, point: &Point) -> Result<Row> {
         frame_ms: median(&frames.iter().map(|frame| frame.wall_ms).collect::<Vec<_>>()),
         surfaces_ms: of(&["camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"]),
         light_ms: of(&[
+            "cluster_culling",
             "triangle_setup",
             "requested_blocks",
             "light_layers",

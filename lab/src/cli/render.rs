@@ -257,6 +257,10 @@ fn counts(report: &mut Report, rendered: &Rendered, pixels: u64) {
         rows.insert(2, row("pixels looked at sample by sample", c.complex_pixels, note));
         rows.insert(3, row("facets", c.facets, format!("{:.2} a pixel", c.facets as f64 / pixels.max(1) as f64)));
     }
+    if c.kept_triangles > 0 {
+        let note = "in all views, without clusters that lie outside";
+        rows.insert(0, row("triangles set up", c.kept_triangles, note.to_owned()));
+    }
     rows.push(row("pixel-texel pairs", c.pixel_texel_pairs, String::new()));
     rows.push(row("triangle-texel pairs", c.triangle_texel_pairs, String::new()));
     if c.pages > 0 {

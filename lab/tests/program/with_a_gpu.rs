@@ -325,7 +325,7 @@ fn options_choose_what_or_how() {
     let folder = Folder::new("options");
     let out = folder.path("out");
     let picture = |args: &[&str]| {
-        render(&out, &[&["spheres"], args].concat());
+        render(&out, &[&["spheres", "--size", "64x48", "--map", "96"], args].concat());
         exr(&out, "visibility.exr").2.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>()
     };
     // The first values of each are alike, so many; the others are all different.

@@ -89,6 +89,7 @@ pub fn merged(stage: &str, ran: &[CpuTime]) -> Option<&'static str> {
             Some("CPU engine: rays from the eye find what each sample sees")
         }
         "pixel_triangles" | "pixel_coverage" => Some("CPU engine: sample_surfaces looks at the triangles themselves"),
+        "cluster_culling" => Some("CPU engine: every triangle is looked at"),
         "requested_blocks" => Some("CPU engine: the light's maps are made whole"),
         "visibility_refine" => Some("CPU engine: all is decided in f64"),
         _ => None,

@@ -6,6 +6,8 @@ pub mod axis_density;
 pub mod camera_visibility;
 pub mod candidate_pairs;
 pub mod caster_positions;
+pub mod cluster_bounds;
+pub mod cluster_culling;
 pub mod compact;
 pub mod compared_depths;
 pub mod deep_map;

@@ -6,7 +6,8 @@ use crate::frame::{Frame, sample_words};
 use crate::gpu::kernels::{candidate_pairs, facet_classify, pixel_texel_pairs, triangle_texel_pairs, visibility_masks};
 use crate::gpu::{Buffer, Profile};
 use crate::mask_table::mask_table;
-use crate::methods::geometry::Geometry;
+use crate::methods::TexelQuery;
+use crate::methods::geometry::{Geometry, culled_views};
 use crate::methods::light_maps::LightMaps;
 use crate::methods::prepared::CasterBuffers;
 use crate::pixel_filter::PixelFilter;
@@ -130,6 +131,7 @@ impl Memory {
         capacities: Capacities,
     ) -> Result<Self> {
         let (pixels, map, words) = (settings.pixels(), settings.map as usize, settings.samples.words() as usize);
+        let culls = culled_views(casters, settings, TexelQuery::Facets);
         let receivers = if with.take_receivers() { pixels } else { 0 };
         let PairMemory { lists, unsorted } = PairMemory::new(device, settings, capacities)?;
         let FacetMemory { facets, offsets, scan_scratch } =
@@ -142,7 +144,7 @@ impl Memory {
             samples,
             table: Buffer::from_slice(device, queue, "visibility_masks.table", &table)?,
             frames: frames(device, capacities)?,
-            geometry: Geometry::new(device, queue, (casters, receivers), pixels, map)?,
+            geometry: Geometry::new(device, queue, (casters, receivers), pixels, map, culls)?,
             maps: LightMaps::new(device, queue, &with.light_maps, casters.edges.len(), map)?,
             facets,
             facet_offsets: offsets,

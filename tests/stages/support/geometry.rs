@@ -1,8 +1,8 @@
 //! What the tests of the geometry stages share: meshes that are hard to get right, and a run of all six stages in order,
 //! with the offsets and arguments between them made here.
 
-use super::run;
 pub use super::shapes::*;
+use super::{NO_TABLE, run};
 use bytemuck::Pod;
 use oracle::reference::front_layer::Margin;
 use oracle::reference::light_layers::{self, Layer};
@@ -256,7 +256,7 @@ fn read<T: Pod + PartialEq + std::fmt::Debug>(gpu: &Gpu, buffer: &Buffer<T>) -> 
 /// Offsets of a list of counts, and arguments that cover them all.
 pub fn work(gpu: &Gpu, items: &[u32], per_group: u32) -> (Buffer<u32>, Buffer<u32>) {
     let scan = prefix_scan::exclusive(items);
-    let offsets = [scan.sums, vec![scan.total, 0]].concat();
+    let offsets = [scan.sums, vec![scan.total, 0], NO_TABLE.to_vec()].concat();
     let most = gpu.device.limits().max_compute_workgroups_per_dimension;
     let args = fold_within(u64::from(scan.total.div_ceil(per_group)), most);
     let buffer = Buffer::indirect(&gpu.device, "test.args", 4).expect("memory");

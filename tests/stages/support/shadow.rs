@@ -124,10 +124,10 @@ impl World {
         let requested = RequestedBlocks::memory(&gpu.device, map as usize).expect("memory");
         run(gpu, |s| {
             front.project.record_place(s, &uniform, &casters.positions, &points);
-            front.project.record_project(s, &uniform, &points, &map_points, vertices);
+            front.project.record_project(s, &uniform, &points, &map_points, vertices)?;
             let (indices, map) = (&casters.triangles, &map_points);
-            front.setup.record_camera(s, &uniform, indices, &points, &facts, triangles);
-            front.setup.record_light(s, &uniform, indices, &points, map, &requested, &facts, triangles);
+            front.setup.record_camera(s, &uniform, indices, &points, &facts, triangles)?;
+            front.setup.record_light(s, &uniform, indices, &points, map, &requested, &facts, triangles)
         });
         let view = View::new(&camera, &light, &fitted, bounds, size, false);
         let projected = project(&view, &prepared.mesh().positions);
@@ -442,7 +442,8 @@ impl World {
     /// Scan of work items with its total and flag, and indirect arguments for them.
     pub fn items(&self, items: &[u32]) -> (Buffer<u32>, Buffer<u32>, u32) {
         let gpu = self.gpu;
-        let words = with_total(items);
+        let mut words = with_total(items);
+        words.extend(super::NO_TABLE);
         let total = words[items.len()];
         let offsets = Buffer::from_slice(&gpu.device, &gpu.queue, "test.offsets", &words).expect("memory");
         let args = indirect(gpu, total);

@@ -151,11 +151,11 @@ fn find_by(gpu: &Gpu, case: &Case, samples: &Samples, room: Room, most: u32, how
     let facts = TriangleFacts::new(device, count).expect(memory);
     run(gpu, |s| {
         VertexProject::new(device).record_place(s, frame, &positions, &points);
-        TriangleSetup::new(device).record_camera(s, frame, &triangles, &points, &facts, count);
+        TriangleSetup::new(device).record_camera(s, frame, &triangles, &points, &facts, count)
     });
     let scan = PrefixScan::new(device);
     let scratch = PrefixScan::scratch(device, pixels.max(count)).expect(memory);
-    let work = Buffer::storage(device, "test.work", count + 2).expect(memory);
+    let work = Buffer::storage(device, "test.work", count + 5).expect(memory);
     let args = [(); 3].map(|()| Buffer::<u32>::indirect(device, "test.args", 6).expect(memory));
     // Arguments are made here: the stage that makes them does not know of a device's smaller limits.
     let cover = |args: &Buffer<u32>, groups: [u32; 2]| {

@@ -159,8 +159,8 @@ pub struct Row {
 }
 
 /// Stages that find what the camera sees.
-const CAMERA_STAGES: [&str; 5] =
-    ["triangle_setup", "camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"];
+const CAMERA_STAGES: [&str; 6] =
+    ["cluster_culling", "triangle_setup", "camera_visibility", "pixel_triangles", "pixel_coverage", "sample_surfaces"];
 
 impl Row {
     /// Key that tells rows apart.
