@@ -114,7 +114,7 @@ fn is_in_light(box: Box, times: f32) -> bool {
     let in_front = !perspective || nearest > frame.light_low.w + doubt;
     let out = max(abs(low), abs(high));
     let wide = times * (frame.map_margin + 4e-6 * max(out.x, out.y));
-    // What goes on beyond an end takes the whole map, and what is not in front of the light may.
+    // A triangle that goes on beyond an end takes the whole map; one not in front of the light may.
     low = select(vec2(-1e30), low - wide, in_front);
     high = select(vec2(1e30), high + wide, in_front);
     if ends_beyond(low, high) != 0u { return true; }

@@ -53,7 +53,7 @@ pub fn cluster_uses(mesh: &Mesh, edges: &[Edge]) -> Vec<u32> {
     std::iter::once(first).chain(ends).chain(lists.iter().flatten().copied()).collect()
 }
 
-/// What the stage needs of one mesh. A clone is the same memory.
+/// Lists of one mesh, and memory for boxes of its vertices. A clone is the same memory.
 #[derive(Clone, Debug)]
 pub struct ClusterUses {
     /// As [`cluster_uses`] has them.

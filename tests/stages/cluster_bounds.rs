@@ -39,7 +39,7 @@ fn mesh(random: &mut Random, vertices: u32, triangles: usize, edges: usize) -> (
     (Mesh { positions, triangles }, edges)
 }
 
-/// What the stage writes, words of boxes.
+/// Boxes that the stage writes, as words.
 fn made(gpu: &Gpu, stage: &ClusterBounds, (mesh, edges): &(Mesh, Vec<Edge>)) -> Vec<u32> {
     let positions = upload(gpu, &padded(&mesh.positions));
     let uses = cluster_uses(mesh, edges);
@@ -52,7 +52,7 @@ fn made(gpu: &Gpu, stage: &ClusterBounds, (mesh, edges): &(Mesh, Vec<Edge>)) -> 
     boxes.iter().flat_map(|of| [of.low, of.high].concat()).map(f32::to_bits).collect()
 }
 
-/// What it is defined to write; a cluster that uses no vertex has a box that holds nothing.
+/// Boxes as they are defined; a cluster that uses no vertex has a box that holds nothing.
 fn wanted((mesh, edges): &(Mesh, Vec<Edge>)) -> Vec<u32> {
     let triangles: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
     let ends = |e: &Edge| if e.v0 == e.v1 { Vec::new() } else { vec![e.v0, e.v1] };

@@ -54,7 +54,7 @@ pub fn is_out_of_sight(view: &View, of: &Extents, pixels: f64) -> bool {
 }
 
 /// Whether a box surely touches no texel: all of it is in front of the light and beyond one side of the map by so many texels, those at its farthest.
-/// What lies beyond an end of the map ([`LightView::ends`](subpixel_shadows::light_view::LightView::ends)) may touch any.
+/// A box beyond an end of the map ([`LightView::ends`](subpixel_shadows::light_view::LightView::ends)) may touch any.
 pub fn is_off_the_map(view: &View, of: &Extents, texels: f64) -> bool {
     // Far enough that rounding does not put it behind the light.
     let clear = |p: &DVec3| view.map.near + 1e-4 * (1.0 + p.abs().max_element());
